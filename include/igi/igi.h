@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * igi: inverse global illumination. Everything, in the order in which data flows.
+ */
+#ifndef IGI_IGI_H
+#define IGI_IGI_H
+
+#include <igi/base.h>
+#include <igi/image.h>
+#include <igi/scene.h>
+#include <igi/material.h>
+#include <igi/recover.h>
+#include <igi/render.h>
+#include <igi/synth.h>
+#include <igi/report.h>
+
+#endif

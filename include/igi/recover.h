@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Recovery: photographs, mesh and cameras in; materials with error bars out.
+ */
+#ifndef IGI_RECOVER_H
+#define IGI_RECOVER_H
+
+#include <igi/material.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum igi_method {
+    IGI_METHOD_PATCHES,   /* every patch gathers from every other; unseen ones are solved */
+    IGI_METHOD_GATHER,    /* one shot: a few points a region gather from what the photographs show */
+    IGI_METHOD_RADIOSITY, /* the classical dense (I - rho F) b = e on a coarse mesh */
+    IGI_METHOD_DIRECT     /* no interreflection */
+} igi_method;
+
+IGI_API const char *igi_method_name(igi_method method);
+IGI_API bool igi_method_from_name(const char *name, igi_method *method);
+
+typedef struct igi_recover_options {
+    size_t struct_size;
+    igi_method method;     /* default IGI_METHOD_PATCHES */
+    double patch_m;        /* side of a patch, metres; 0: from the size of the room (default) */
+    int rays;              /* rays a patch (gather: a point); 0: default of the method */
+    int map_size;          /* texels along the side of a textured region's map, 0: from the photographs */
+    double target_error;   /* relative, of a region's albedo; 0: the default accuracy */
+    double time_budget_s;  /* CPU seconds to aim at; 0: none */
+} igi_recover_options;
+
+IGI_API void igi_recover_options_init(igi_recover_options *options);
+
+/* A picture of one photograph beside what the recovered materials predict for it; written by the
+ * recovery for the report, so that nothing is computed twice. */
+typedef struct igi_comparison {
+    char *frame;
+    igi_image *photo, *prediction; /* bands only; the same size */
+} igi_comparison;
+
+typedef struct igi_recovery {
+    igi_materials *materials;
+    size_t comparison_count;
+    igi_comparison *comparisons;
+} igi_recovery;
+
+/* The whole way from photographs to materials. Reads the images that the scene's frames name;
+ * never opens truth/, heldout/ or relit*. IGI_E_NO_ANSWER when nothing can be determined. */
+IGI_API IGI_MUST_USE igi_status igi_recover(igi_context *context, const igi_scene *scene,
+                                            const igi_recover_options *options,
+                                            igi_recovery **recovery);
+IGI_API void igi_recovery_destroy(igi_recovery *recovery);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The forward direction: pictures of a scene with given materials under given lights.
+ */
+#ifndef IGI_RENDER_H
+#define IGI_RENDER_H
+
+#include <igi/material.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct igi_render_options {
+    size_t struct_size;
+    int samples;   /* paths a pixel; default 64 */
+    int max_depth; /* edges of a path; default 64 (Russian roulette from the 5th) */
+} igi_render_options;
+
+IGI_API void igi_render_options_init(igi_render_options *options);
+
+/* Path tracing with next-event estimation and multiple importance sampling (Veach 1997).
+ * materials->materials are those of scene->regions, in order; `lights` are the lights that are on:
+ * an emitter region that they leave out is dark. *variance (may be NULL) receives the variance of
+ * each pixel's mean. */
+IGI_API IGI_MUST_USE igi_status igi_render(igi_context *context, const igi_scene *scene,
+                                           const igi_materials *materials,
+                                           const igi_light *lights, size_t light_count,
+                                           const igi_camera *camera,
+                                           const igi_render_options *options, igi_image **picture,
+                                           igi_image **variance);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

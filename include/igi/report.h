@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Evidence: errors against truth, and a page to look at.
+ */
+#ifndef IGI_REPORT_H
+#define IGI_REPORT_H
+
+#include <igi/recover.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One region compared with truth. Errors are relative: |got - want| / max(want, .02), the mean
+ * over bands. A field that does not apply is NaN. */
+typedef struct igi_region_error {
+    char *region;
+    bool judged; /* false: an emitter, or less than a fifth of it is seen */
+    double albedo;
+    double texture_median, texture_seen; /* over texels that the photographs determine */
+    double specular, alpha;
+    igi_model got, want;
+    double sigmas; /* largest over bands of |got - want| / stated standard deviation */
+} igi_region_error;
+
+typedef struct igi_validation {
+    size_t region_count;
+    igi_region_error *regions;
+    double albedo_mean, albedo_median, albedo_max, specular_mean, alpha_mean, texture_median;
+    int models, models_right;
+} igi_validation;
+
+/* Compares the folder that recovery wrote with a truth folder. */
+IGI_API IGI_MUST_USE igi_status igi_validate(igi_context *context, const char *folder,
+                                             const char *truth_folder, igi_validation **validation);
+IGI_API void igi_validation_destroy(igi_validation *validation);
+
+/* Writes FOLDER/report.html, one self-contained page, from what is in the folder: materials.json,
+ * manifest.json, the maps, and comparison/NAME.png. */
+IGI_API IGI_MUST_USE igi_status igi_report(igi_context *context, const char *folder);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

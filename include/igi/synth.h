@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Synthetic scenes: a short spec becomes a scene folder with photographs and truth.
+ */
+#ifndef IGI_SYNTH_H
+#define IGI_SYNTH_H
+
+#include <igi/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Reads the spec (datasets-synthetic/README.md) and writes a complete scene folder: scene.json,
+ * scene.obj, transforms.json, images/, truth/, and heldout/ and relit/ where the spec asks for
+ * them. The same spec and the context's seed give the same bytes. */
+IGI_API IGI_MUST_USE igi_status igi_synth(igi_context *context, const char *spec_path,
+                                          const char *folder);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

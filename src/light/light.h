@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The lights of a scene, ready to be sampled.
+ */
+#ifndef IGI_SRC_LIGHT_LIGHT_H
+#define IGI_SRC_LIGHT_LIGHT_H
+
+#include "base/rng.h"
+#include "trace/trace.h"
+
+typedef struct igi_lighting igi_lighting;
+
+/* Prepares the lights for sampling. An emitter region that `lights` leaves out is dark. Scene and
+ * lights must outlive the result. A prepared lighting is read-only. */
+IGI_MUST_USE igi_status igi_lighting_create(igi_context *ctx, const igi_scene *scene,
+                                            const igi_light *lights, size_t light_count,
+                                            igi_lighting **lighting);
+void igi_lighting_destroy(igi_lighting *lighting);
+
+size_t igi_lighting_count(const igi_lighting *lighting); /* lights, as given */
+
+/* One sample of one light as seen from `point`. */
+typedef struct igi_light_sample {
+    igi_vec direction; /* unit, from the point toward the light */
+    float distance;    /* metres; INFINITY for a light without a place */
+    float pdf;         /* per solid angle; 0 for a light of no extent (point, spot, directional) */
+    float weight;      /* radiance over pdf, or irradiance at normal incidence for a light of no
+                          extent, is weight * value[band]: value = the light's own */
+} igi_light_sample;
+
+/* Samples light number `light` from (u,v) in the unit square. false: it cannot shine there. */
+bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec point, float u,
+                             float v, igi_light_sample *sample);
+/* The density with which igi_light_sample_toward would choose the direction that met `hit`. */
+float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, igi_vec direction,
+                    const igi_hit *hit);
+
+/* Index of the light that the triangle belongs to, or -1. */
+int igi_lighting_of_triangle(const igi_lighting *lighting, uint32_t triangle);
+/* What a ray meets: radiance per band of an area light's front at `hit`, or of the sky when the ray
+ * left the scene; adds to radiance[bands]. */
+void igi_lighting_add_emitted(const igi_lighting *lighting, igi_vec direction, const igi_hit *hit,
+                              float *radiance);
+
+/* Irradiance at `point` (on the side of `normal`) by light number `light` for a value of 1 in a
+ * band, W m^-2 per unit of value: closed form for what is unoccluded, times the visible fraction
+ * found with `rays` shadow rays whose pattern is keyed by `key`. */
+float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *tracer, size_t light,
+                           igi_vec point, igi_vec normal, int rays, uint64_t key);
+
+#endif

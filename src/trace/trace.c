@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * One Embree scene of one triangle mesh. Embree 3 and 4 differ in header, in the ray's context and
+ * in nothing else that is used here. Embree reports errors to a callback; what it says is kept with
+ * the tracer while it is built, and becomes the sentence of the failure.
+ */
+#include "trace/trace.h"
+
+#if IGI_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <stdio.h>
+
+struct igi_tracer {
+    const igi_mesh *mesh;
+    RTCDevice device;
+    RTCScene scene;
+    igi_vec low, high;
+    float size, epsilon;
+    char error[256];
+};
+
+static void keep_error(void *user, enum RTCError code, const char *sentence)
+{
+    igi_tracer *tracer = user;
+    snprintf(tracer->error, sizeof tracer->error, "Embree error %d: %s", (int)code,
+             sentence ? sentence : "");
+}
+
+static void find_bounds(igi_tracer *tracer)
+{
+    const igi_mesh *mesh = tracer->mesh;
+    igi_vec low = igi_v(INFINITY, INFINITY, INFINITY), high = igi_scale(low, -1);
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        igi_vec p = igi_v_of(mesh->positions + 3 * i);
+        low = igi_v(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
+        high = igi_v(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
+    }
+    tracer->low = low;
+    tracer->high = high;
+    tracer->size = igi_length(igi_sub(high, low));
+    tracer->epsilon = 2e-5f * tracer->size;
+}
+
+/* Embree reads 16 bytes at the last vertex, so the positions are copied into a padded buffer. */
+static void attach_mesh(igi_tracer *tracer)
+{
+    const igi_mesh *mesh = tracer->mesh;
+    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                               mesh->vertex_count);
+    for (size_t i = 0; positions && i < 3 * mesh->vertex_count; i++)
+        positions[i] = mesh->positions[i];
+    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                                                RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+                                                mesh->triangle_count);
+    for (size_t i = 0; indices && i < 3 * mesh->triangle_count; i++)
+        indices[i] = mesh->triangles[i];
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(tracer->scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneFlags(tracer->scene, RTC_SCENE_FLAG_ROBUST); /* rays must not slip through edges */
+    rtcCommitScene(tracer->scene);
+}
+
+igi_status igi_tracer_create(igi_context *ctx, const igi_mesh *mesh, igi_tracer **tracer)
+{
+    IGI_TRY(IGI_ALLOC(ctx, 1, tracer));
+    igi_tracer *t = *tracer;
+    t->mesh = mesh;
+    find_bounds(t);
+    char config[64];
+    snprintf(config, sizeof config, "threads=%d,set_affinity=0", igi_threads(ctx));
+    t->device = rtcNewDevice(config);
+    if (t->device) {
+        rtcSetDeviceErrorFunction(t->device, keep_error, t);
+        t->scene = rtcNewScene(t->device);
+        attach_mesh(t);
+    } else {
+        keep_error(t, rtcGetDeviceError(NULL), "no device");
+    }
+    if (!t->error[0]) return IGI_OK;
+    igi_status status = igi_fail(ctx, IGI_E_SYSTEM, "mesh: %s; is there enough memory?", t->error);
+    igi_tracer_destroy(t);
+    *tracer = NULL;
+    return status;
+}
+
+void igi_tracer_destroy(igi_tracer *tracer)
+{
+    if (!tracer) return;
+    if (tracer->scene) rtcReleaseScene(tracer->scene);
+    if (tracer->device) rtcReleaseDevice(tracer->device);
+    igi_free(tracer);
+}
+
+static struct RTCRay make_ray(igi_vec origin, igi_vec direction, float near, float far)
+{
+    return (struct RTCRay){.org_x = origin.x, .org_y = origin.y, .org_z = origin.z,
+                           .dir_x = direction.x, .dir_y = direction.y, .dir_z = direction.z,
+                           .tnear = near, .tfar = far, .mask = UINT32_MAX};
+}
+
+igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction)
+{
+    struct RTCRayHit r = {.ray = make_ray(origin, direction, tracer->epsilon, INFINITY),
+                          .hit = {.geomID = RTC_INVALID_GEOMETRY_ID,
+                                  .primID = RTC_INVALID_GEOMETRY_ID}};
+#if IGI_EMBREE_MAJOR >= 4
+    rtcIntersect1(tracer->scene, &r, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(tracer->scene, &context, &r);
+#endif
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return (igi_hit){.triangle = IGI_NO_HIT, .distance = INFINITY};
+    /* Embree's Ng is on the counter-clockwise side. */
+    float facing = r.hit.Ng_x * direction.x + r.hit.Ng_y * direction.y + r.hit.Ng_z * direction.z;
+    return (igi_hit){.triangle = r.hit.primID, .u = r.hit.u, .v = r.hit.v,
+                     .distance = r.ray.tfar, .back = facing > 0};
+}
+
+bool igi_occluded_toward(const igi_tracer *tracer, igi_vec from, igi_vec direction, float limit)
+{
+    struct RTCRay r = make_ray(from, direction, tracer->epsilon, limit);
+#if IGI_EMBREE_MAJOR >= 4
+    rtcOccluded1(tracer->scene, &r, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(tracer->scene, &context, &r);
+#endif
+    return r.tfar < 0; /* Embree sets -infinity on a hit */
+}
+
+bool igi_occluded(const igi_tracer *tracer, igi_vec from, igi_vec to)
+{
+    igi_vec d = igi_sub(to, from);
+    float distance = igi_length(d);
+    float limit = distance - tracer->epsilon;
+    if (limit <= tracer->epsilon) return false;
+    return igi_occluded_toward(tracer, from, igi_scale(d, 1 / distance), limit);
+}
+
+float igi_tracer_size(const igi_tracer *tracer, igi_vec *low, igi_vec *high)
+{
+    if (low) *low = tracer->low;
+    if (high) *high = tracer->high;
+    return tracer->size;
+}
+
+float igi_tracer_epsilon(const igi_tracer *tracer)
+{
+    return tracer->epsilon;
+}
