@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The prepared lights' fields, for src/light alone.
+ */
+#ifndef IGI_SRC_LIGHT_LIGHTING_H
+#define IGI_SRC_LIGHT_LIGHTING_H
+
+#include "light/light.h"
+
+#include <igi/image.h>
+
+/* A triangle of an area light. */
+typedef struct emitter {
+    igi_vec corner, edge1, edge2, normal, centre;
+    float area;
+    float area_below; /* area of the emitters of the same light up to and including this one */
+} emitter;
+
+typedef struct sky sky; /* an environment map */
+
+typedef struct source {
+    const igi_light *light;
+    size_t first, count; /* area: its emitters */
+    float area;          /* area: of all its emitters */
+    igi_vec position, axis; /* axis: direction of spot and directional; line: from end to end */
+    float length;           /* line */
+    float cos_cutoff, cutoff, beam; /* spot; angles in radians */
+    sky *sky;
+} source;
+
+struct igi_lighting {
+    const igi_scene *scene;
+    int bands;
+    size_t count;
+    source *sources;
+    emitter *emitters;
+    int *light_of_region; /* -1: dark */
+};
+
+/* Intensity of a spot toward `direction`, for 1 within its beam. */
+float igi_spot_factor(const source *s, igi_vec direction);
+
+#endif

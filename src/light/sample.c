@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * One sample of one light. Area lights are sampled uniformly over their area, so that the density
+ * per solid angle is d^2 / (A cos) whichever triangle a ray has met.
+ */
+#include "light/lighting.h"
+
+float igi_spot_factor(const source *s, igi_vec direction)
+{
+    float c = igi_dot(direction, s->axis);
+    if (c <= s->cos_cutoff) return 0;
+    float angle = acosf(fminf(1.0f, c));
+    return angle <= s->beam ? 1 : (s->cutoff - angle) / (s->cutoff - s->beam);
+}
+
+/* The emitter under `area` of the running sum. */
+static const emitter *find_emitter(const emitter *emitters, size_t count, float area)
+{
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (emitters[middle].area_below > area) high = middle;
+        else low = middle + 1;
+    }
+    return &emitters[low];
+}
+
+static bool sample_area(const igi_lighting *l, const source *s, igi_vec point, float u, float v,
+                        igi_light_sample *sample)
+{
+    if (s->count == 0) return false;
+    float area = u * s->area;
+    const emitter *e = find_emitter(l->emitters + s->first, s->count, area);
+    /* What is left of u within the triangle is uniform again. */
+    float rest = fminf(1.0f, fmaxf(0.0f, 1 - (e->area_below - area) / e->area));
+    float root = sqrtf(rest);
+    igi_vec p = igi_madd(igi_madd(e->corner, e->edge1, root * (1 - v)), e->edge2, root * v);
+    igi_vec d = igi_sub(p, point);
+    float squared = igi_dot(d, d), distance = sqrtf(squared);
+    float facing = -igi_dot(d, e->normal); /* distance times the cosine at the light */
+    if (!(facing > 0)) return false;
+    sample->direction = igi_scale(d, 1 / distance);
+    sample->distance = distance;
+    sample->pdf = squared * distance / (facing * s->area);
+    sample->weight = 1 / sample->pdf;
+    return true;
+}
+
+static bool sample_place(igi_vec point, igi_vec place, igi_light_sample *sample)
+{
+    igi_vec d = igi_sub(place, point);
+    float squared = igi_dot(d, d);
+    if (!(squared > 0)) return false;
+    sample->distance = sqrtf(squared);
+    sample->direction = igi_scale(d, 1 / sample->distance);
+    sample->pdf = 0;
+    sample->weight = 1 / squared;
+    return true;
+}
+
+bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec point, float u,
+                             float v, igi_light_sample *sample)
+{
+    const source *s = &lighting->sources[light];
+    switch (s->light->type) {
+    case IGI_LIGHT_AREA: return sample_area(lighting, s, point, u, v, sample);
+    case IGI_LIGHT_POINT: return sample_place(point, s->position, sample);
+    case IGI_LIGHT_SPOT:
+        if (!sample_place(point, s->position, sample)) return false;
+        sample->weight *= igi_spot_factor(s, igi_scale(sample->direction, -1));
+        return sample->weight > 0;
+    case IGI_LIGHT_LINE:
+        if (!sample_place(point, igi_madd(s->position, s->axis, u), sample)) return false;
+        sample->weight *= s->length;
+        return true;
+    case IGI_LIGHT_DIRECTIONAL:
+        *sample = (igi_light_sample){igi_scale(s->axis, -1), INFINITY, 0, 1};
+        return true;
+    default: return false; /* ambient: cosine-distributed rays find it best */
+    }
+}
+
+float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, igi_vec direction,
+                    const igi_hit *hit)
+{
+    (void)point;
+    const source *s = &lighting->sources[light];
+    if (s->light->type != IGI_LIGHT_AREA || hit->triangle == IGI_NO_HIT || hit->back) return 0;
+    if (igi_lighting_of_triangle(lighting, hit->triangle) != (int)light) return 0;
+    igi_vec normal = igi_triangle_normal(&lighting->scene->mesh, hit->triangle);
+    float cosine = fabsf(igi_dot(direction, normal));
+    return hit->distance * hit->distance / fmaxf(cosine * s->area, 1e-30f);
+}
