@@ -6,6 +6,7 @@
 #define IGI_IGI_H
 
 #include <igi/base.h>
+#include <igi/output.h>
 #include <igi/image.h>
 #include <igi/scene.h>
 #include <igi/material.h>
