@@ -318,6 +318,19 @@ static bool aim(decoding *d, int x, int y, int width, int height)
     return true;
 }
 
+/* OpenEXRCore 3.1 has a shortcut for four interleaved channels of half that hands them out in
+ * reverse. While it chooses, the channels stand in an order that it does not know as interleaved,
+ * so that it takes its general way. */
+static exr_result_t choose_routines(decoding *d)
+{
+    exr_coding_channel_info_t *c = d->pipeline.channels;
+    uint8_t *second = d->pipeline.channel_count == 4 ? c[1].decode_to_ptr : NULL;
+    if (second) c[1].decode_to_ptr = c[2].decode_to_ptr, c[2].decode_to_ptr = second;
+    exr_result_t code = exr_decoding_choose_default_routines(d->file, 0, &d->pipeline);
+    if (second) c[2].decode_to_ptr = c[1].decode_to_ptr, c[1].decode_to_ptr = second;
+    return code;
+}
+
 static igi_status decode_chunk(igi_context *ctx, decoding *d, const exr_chunk_info_t *chunk, int x,
                                int y)
 {
@@ -328,7 +341,7 @@ static igi_status decode_chunk(igi_context *ctx, decoding *d, const exr_chunk_in
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: a block of pixels lies outside the image; export or copy it again",
                         from->name);
-    if (!d->ready) TRY_EXR(exr_decoding_choose_default_routines(d->file, 0, &d->pipeline));
+    if (!d->ready) TRY_EXR(choose_routines(d));
     d->ready = true;
     TRY_EXR(exr_decoding_run(d->file, 0, &d->pipeline));
     return IGI_OK;
