@@ -6,260 +6,11 @@
  * straight into it, interleaved; subsampled ones into planes of their own, then spread over it.
  * When data and display window agree, as in almost every photograph, the canvas is the result.
  */
-#include "base/context.h"
-#include "image/image_private.h"
+#include "image/exr_private.h"
 
-#include <openexr.h>
-
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
-
-#define MAX_CHANNELS (IGI_MAX_BANDS + 1)
-
-/* Where the bytes come from: a file, or memory when fd < 0. */
-typedef struct source {
-    const char *name;
-    int fd;
-    const uint8_t *bytes;
-    uint64_t size;
-    char message[200]; /* OpenEXR's last word */
-} source;
-
-typedef struct window {
-    int x, y, width, height;
-} window;
-
-/* What the header says. */
-typedef struct layout {
-    window data, display;
-    bool tiled, luma_chroma, rgb;
-    int channels;
-    char names[MAX_CHANNELS][IGI_CHANNEL_NAME_SIZE];
-    int slot[MAX_CHANNELS]; /* of each channel of the file, in the file's order: where it goes */
-    int x_step[MAX_CHANNELS], y_step[MAX_CHANNELS]; /* its subsampling */
-    igi_chromaticities chromaticities;
-    bool has_chromaticities;
-} layout;
-
-static int64_t read_bytes(exr_const_context_t file, void *user, void *buffer, uint64_t size,
-                          uint64_t offset, exr_stream_error_func_ptr_t error)
-{
-    (void)file;
-    (void)error;
-    source *from = user;
-    if (offset >= from->size) return 0;
-    if (size > from->size - offset) size = from->size - offset;
-    if (from->fd < 0) {
-        memcpy(buffer, from->bytes + offset, size);
-        return (int64_t)size;
-    }
-    uint64_t done = 0;
-    while (done < size) {
-        ssize_t n = pread(from->fd, (char *)buffer + done, size - done, (off_t)(offset + done));
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) break;
-        done += (uint64_t)n;
-    }
-    return (int64_t)done;
-}
-
-static int64_t tell_size(exr_const_context_t file, void *user)
-{
-    (void)file;
-    return (int64_t)((source *)user)->size;
-}
-
-static void keep_message(exr_const_context_t file, exr_result_t code, const char *message)
-{
-    (void)code;
-    void *user = NULL;
-    if (!file || exr_get_user_data(file, &user) != EXR_ERR_SUCCESS || !user) return;
-    source *from = user;
-    snprintf(from->message, sizeof from->message, "%s", message);
-}
-
-static igi_status fail_exr(igi_context *ctx, const source *from, exr_result_t code)
-{
-    if (code == EXR_ERR_OUT_OF_MEMORY)
-        return igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to decode it; use a smaller image",
-                        from->name);
-    return igi_fail(ctx, IGI_E_DATA,
-                    "%s: not a whole OpenEXR image (%s); export or copy it again", from->name,
-                    from->message[0] ? from->message : exr_get_default_error_message(code));
-}
-
-#define TRY_EXR(call)                                                    \
-    do {                                                                 \
-        exr_result_t code_ = (call);                                     \
-        if (code_ != EXR_ERR_SUCCESS) return fail_exr(ctx, from, code_); \
-    } while (0)
-
-static igi_status open_source(igi_context *ctx, const char *path, source *from)
-{
-    struct stat about;
-    from->name = path;
-    from->fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (from->fd < 0 || fstat(from->fd, &about) != 0) {
-        bool missing = errno == ENOENT || errno == ENOTDIR;
-        return igi_fail(ctx, missing ? IGI_E_DATA : IGI_E_SYSTEM,
-                        "%s: cannot be opened (%s); check the name and the permissions", path,
-                        strerror(errno));
-    }
-    if (!S_ISREG(about.st_mode))
-        return igi_fail(ctx, IGI_E_DATA, "%s: not a file; name an OpenEXR image", path);
-    from->size = (uint64_t)about.st_size;
-    return IGI_OK;
-}
-
-static igi_status open_exr(igi_context *ctx, source *from, exr_context_t *file)
-{
-    exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    options.error_handler_fn = keep_message;
-    options.user_data = from;
-    options.read_fn = read_bytes;
-    options.size_fn = tell_size;
-    options.max_image_width = options.max_image_height = IGI_IMAGE_MAX_SIDE;
-    options.max_tile_width = options.max_tile_height = IGI_IMAGE_MAX_SIDE;
-    TRY_EXR(exr_start_read(file, from->name, &options));
-    return IGI_OK;
-}
-
-static igi_status read_window(igi_context *ctx, const source *from, exr_attr_box2i_t box,
-                              const char *what, window *out)
-{
-    int64_t width = (int64_t)box.max.x - box.min.x + 1, height = (int64_t)box.max.y - box.min.y + 1;
-    if (width < 1 || height < 1 || width > IGI_IMAGE_MAX_SIDE || height > IGI_IMAGE_MAX_SIDE)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: its %s window has %lld x %lld pixels; the sides of an image are 1 to "
-                        "%d",
-                        from->name, what, (long long)width, (long long)height, IGI_IMAGE_MAX_SIDE);
-    *out = (window){box.min.x, box.min.y, (int)width, (int)height};
-    return IGI_OK;
-}
-
-/* The length of the one layer's prefix ("diffuse." in "diffuse.R") whose R, G and B stand for the
- * picture: 0 when bare R, G, B exist or no layer has all three; -1 when several have. */
-static int layer_prefix(const exr_attr_chlist_t *list, int *example)
-{
-    int found = -2;
-    for (int i = 0; i < list->num_channels; i++) {
-        const char *name = list->entries[i].name.str;
-        size_t length = strlen(name);
-        if (length < 1 || name[length - 1] != 'R' || (length > 1 && name[length - 2] != '.'))
-            continue;
-        int complete = 0;
-        for (int j = 0; j < list->num_channels; j++) {
-            const char *other = list->entries[j].name.str;
-            if (strlen(other) != length || strncmp(other, name, length - 1) != 0) continue;
-            complete += other[length - 1] == 'G' || other[length - 1] == 'B';
-        }
-        if (complete != 2) continue;
-        if (length == 1) return 0;
-        *example = i;
-        found = found == -2 ? (int)length - 1 : -1;
-    }
-    return found == -2 ? 0 : found;
-}
-
-static bool has_channel(const exr_attr_chlist_t *list, const char *name)
-{
-    for (int i = 0; i < list->num_channels; i++)
-        if (strcmp(list->entries[i].name.str, name) == 0) return true;
-    return false;
-}
-
-/* The order in which channels stand: R G B, or a lone Y, then A, then the others by name. */
-static int rank(const char *name, const char *first)
-{
-    const char *at = name[0] && !name[1] ? strchr(first, name[0]) : NULL;
-    return at ? (int)(at - first) : (int)strlen(first);
-}
-
-static igi_status arrange_channels(igi_context *ctx, const source *from,
-                                   const exr_attr_chlist_t *list, layout *out)
-{
-    int ranks[MAX_CHANNELS], example = 0;
-    int count = list->num_channels, prefix = layer_prefix(list, &example);
-    if (count < 1 || count > MAX_CHANNELS)
-        return igi_fail(ctx, IGI_E_DATA, "%s: it has %d channels; export 1 to %d of them",
-                        from->name, count, MAX_CHANNELS);
-    if (prefix < 0)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: several layers have R, G and B (one is '%s'); export one layer",
-                        from->name, list->entries[example].name.str);
-    const char *base = list->entries[example].name.str;
-    out->luma_chroma = has_channel(list, "Y") && has_channel(list, "RY") &&
-                       has_channel(list, "BY") && !has_channel(list, "G");
-    for (int i = 0; i < count; i++) {
-        const exr_attr_chlist_entry_t *entry = &list->entries[i];
-        const char *name = entry->name.str;
-        if (entry->x_sampling < 1 || entry->y_sampling < 1 || entry->x_sampling > 64 ||
-            entry->y_sampling > 64)
-            return igi_fail(ctx, IGI_E_DATA, "%s: channel %s is subsampled %d x %d; at most 64",
-                            from->name, name, entry->x_sampling, entry->y_sampling);
-        out->x_step[i] = entry->x_sampling;
-        out->y_step[i] = entry->y_sampling;
-        if (prefix > 0 && strncmp(name, base, (size_t)prefix) == 0) name += prefix;
-        if (out->luma_chroma) /* each chroma takes the place of the colour it becomes */
-            name = strcmp(name, "RY") == 0 ? "R" : strcmp(name, "BY") == 0 ? "B"
-                   : strcmp(name, "Y") == 0 ? "G" : name;
-        ranks[i] = rank(name, "RGBYA");
-        out->slot[i] = 0;
-        for (int j = 0; j < i; j++) /* the file's order is by name: equal ranks keep it */
-            if (ranks[j] <= ranks[i]) out->slot[i]++;
-            else out->slot[j]++;
-        snprintf(out->names[i], IGI_CHANNEL_NAME_SIZE, "%s", name);
-    }
-    out->channels = count;
-    out->rgb = out->luma_chroma || prefix > 0 ||
-               (has_channel(list, "R") && has_channel(list, "G") && has_channel(list, "B"));
-    return IGI_OK;
-}
-
-static igi_status read_header(igi_context *ctx, const source *from, exr_context_t file,
-                              layout *out)
-{
-    exr_storage_t storage;
-    exr_attr_box2i_t box;
-    const exr_attr_chlist_t *list;
-    const exr_attribute_t *attribute;
-    memset(out, 0, sizeof *out);
-    TRY_EXR(exr_get_storage(file, 0, &storage));
-    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: it holds deep data (several samples a pixel); flatten it first",
-                        from->name);
-    out->tiled = storage == EXR_STORAGE_TILED;
-    TRY_EXR(exr_get_data_window(file, 0, &box));
-    IGI_TRY(read_window(ctx, from, box, "data", &out->data));
-    TRY_EXR(exr_get_display_window(file, 0, &box));
-    IGI_TRY(read_window(ctx, from, box, "display", &out->display));
-    TRY_EXR(exr_get_channels(file, 0, &list));
-    IGI_TRY(arrange_channels(ctx, from, list, out));
-    size_t data = (size_t)out->data.width * (size_t)out->data.height;
-    size_t display = (size_t)out->display.width * (size_t)out->display.height;
-    if ((data > display ? data : display) > IGI_IMAGE_MAX_SAMPLES / (size_t)out->channels)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: %d x %d pixels with %d channels are more than igi reads; scale it "
-                        "down",
-                        from->name, out->data.width, out->data.height, out->channels);
-    out->chromaticities = igi_rec709;
-    if (exr_get_attribute_by_name(file, 0, "chromaticities", &attribute) == EXR_ERR_SUCCESS &&
-        attribute->type == EXR_ATTR_CHROMATICITIES) {
-        const exr_attr_chromaticities_t *c = attribute->chromaticities;
-        out->has_chromaticities = true;
-        out->chromaticities = (igi_chromaticities){{{(double)c->red_x, (double)c->red_y},
-                                                    {(double)c->green_x, (double)c->green_y},
-                                                    {(double)c->blue_x, (double)c->blue_y},
-                                                    {(double)c->white_x, (double)c->white_y}}};
-    }
-    return IGI_OK;
-}
 
 static int ceil_div(int a, int b)
 {
@@ -275,11 +26,11 @@ static int sampled(int start, int count, int step)
 
 /* One decoding of one part. planes[i] is NULL for channels of full resolution. */
 typedef struct decoding {
-    const source *from;
+    const igi_exr_source *from;
     exr_context_t file;
-    const layout *layout;
+    const igi_exr_layout *layout;
     igi_image *canvas;
-    float *planes[MAX_CHANNELS];
+    float *planes[IGI_EXR_MAX_CHANNELS];
     exr_decode_pipeline_t pipeline;
     bool ready;
 } decoding;
@@ -288,7 +39,7 @@ typedef struct decoding {
  * within the data window. x, y: of its first pixel, relative to the window. */
 static bool aim(decoding *d, int x, int y, int width, int height)
 {
-    const layout *l = d->layout;
+    const igi_exr_layout *l = d->layout;
     if (x < 0 || y < 0 || width < 1 || height < 1 || width > l->data.width - x ||
         height > l->data.height - y || d->pipeline.channel_count != l->channels)
         return false;
@@ -318,23 +69,29 @@ static bool aim(decoding *d, int x, int y, int width, int height)
     return true;
 }
 
-/* OpenEXRCore 3.1 has a shortcut for four interleaved channels of half that hands them out in
- * reverse. While it chooses, the channels stand in an order that it does not know as interleaved,
- * so that it takes its general way. */
+/* OpenEXRCore 3.1's fast path from four half channels to interleaved RGBA exchanges R and A
+ * (seen in 3.1.5). It is chosen by the order of the pointers: shuffled ones give the plain path. */
 static exr_result_t choose_routines(decoding *d)
 {
-    exr_coding_channel_info_t *c = d->pipeline.channels;
-    uint8_t *second = d->pipeline.channel_count == 4 ? c[1].decode_to_ptr : NULL;
-    if (second) c[1].decode_to_ptr = c[2].decode_to_ptr, c[2].decode_to_ptr = second;
+    exr_coding_channel_info_t *channels = d->pipeline.channels;
+    bool shuffle = d->layout->channels == 4;
+    uint8_t *first = channels[0].decode_to_ptr;
+    if (shuffle) {
+        channels[0].decode_to_ptr = channels[1].decode_to_ptr;
+        channels[1].decode_to_ptr = first;
+    }
     exr_result_t code = exr_decoding_choose_default_routines(d->file, 0, &d->pipeline);
-    if (second) c[2].decode_to_ptr = c[1].decode_to_ptr, c[1].decode_to_ptr = second;
+    if (shuffle) {
+        channels[1].decode_to_ptr = channels[0].decode_to_ptr;
+        channels[0].decode_to_ptr = first;
+    }
     return code;
 }
 
 static igi_status decode_chunk(igi_context *ctx, decoding *d, const exr_chunk_info_t *chunk, int x,
                                int y)
 {
-    const source *from = d->from;
+    const igi_exr_source *from = d->from;
     if (!d->ready) TRY_EXR(exr_decoding_initialize(d->file, 0, chunk, &d->pipeline));
     else TRY_EXR(exr_decoding_update(d->file, 0, chunk, &d->pipeline));
     if (!aim(d, x, y, chunk->width, chunk->height))
@@ -349,8 +106,8 @@ static igi_status decode_chunk(igi_context *ctx, decoding *d, const exr_chunk_in
 
 static igi_status decode_scanlines(igi_context *ctx, decoding *d)
 {
-    const source *from = d->from;
-    const window *data = &d->layout->data;
+    const igi_exr_source *from = d->from;
+    const igi_exr_window *data = &d->layout->data;
     int32_t lines = 0;
     TRY_EXR(exr_get_scanlines_per_chunk(d->file, 0, &lines));
     if (lines < 1) lines = 1;
@@ -364,8 +121,8 @@ static igi_status decode_scanlines(igi_context *ctx, decoding *d)
 
 static igi_status decode_tiles(igi_context *ctx, decoding *d)
 {
-    const source *from = d->from;
-    const window *data = &d->layout->data;
+    const igi_exr_source *from = d->from;
+    const igi_exr_window *data = &d->layout->data;
     int32_t width = 0, height = 0;
     TRY_EXR(exr_get_tile_sizes(d->file, 0, 0, 0, &width, &height));
     if (width < 1 || height < 1)
@@ -382,7 +139,7 @@ static igi_status decode_tiles(igi_context *ctx, decoding *d)
 /* Spreads a plane that has a sample at each multiple of (xs,ys) over the canvas, linearly. */
 static void spread(const decoding *d, int channel)
 {
-    const layout *l = d->layout;
+    const igi_exr_layout *l = d->layout;
     const float *plane = d->planes[channel];
     int xs = l->x_step[channel], ys = l->y_step[channel];
     int columns = sampled(l->data.x, l->data.width, xs);
@@ -420,8 +177,8 @@ static void unmix_chroma(igi_image *canvas, const double luminance[3])
     }
 }
 
-static igi_status convert_colours(igi_context *ctx, const source *from, const layout *l,
-                                  igi_image *canvas)
+static igi_status convert_colours(igi_context *ctx, const igi_exr_source *from,
+                                  const igi_exr_layout *l, igi_image *canvas)
 {
     double to_xyz[3][3], m[3][3];
     if (!l->rgb || (!l->luma_chroma && !l->has_chromaticities)) return IGI_OK;
@@ -443,7 +200,7 @@ static igi_status convert_colours(igi_context *ctx, const source *from, const la
 }
 
 /* The display window's part of the canvas, on black. */
-static igi_status crop(igi_context *ctx, const layout *l, const igi_image *canvas,
+static igi_status crop(igi_context *ctx, const igi_exr_layout *l, const igi_image *canvas,
                        igi_image **image)
 {
     IGI_TRY(igi_image_create(ctx, l->display.width, l->display.height, l->channels, image));
@@ -458,8 +215,8 @@ static igi_status crop(igi_context *ctx, const layout *l, const igi_image *canva
     return IGI_OK;
 }
 
-static igi_status decode(igi_context *ctx, const source *from, exr_context_t file,
-                         const layout *l, igi_image *canvas)
+static igi_status decode(igi_context *ctx, const igi_exr_source *from, exr_context_t file,
+                         const igi_exr_layout *l, igi_image *canvas)
 {
     igi_status status = IGI_OK;
     decoding d = {.from = from, .file = file, .layout = l, .canvas = canvas};
@@ -479,14 +236,14 @@ cleanup:
     return status;
 }
 
-static igi_status load(igi_context *ctx, source *from, igi_image **image)
+static igi_status load(igi_context *ctx, igi_exr_source *from, igi_image **image)
 {
     igi_status status = IGI_OK;
     exr_context_t file = NULL;
     igi_image *canvas = NULL, *made = NULL;
-    layout l;
-    IGI_TRY_GOTO(open_exr(ctx, from, &file));
-    IGI_TRY_GOTO(read_header(ctx, from, file, &l));
+    igi_exr_layout l;
+    IGI_TRY_GOTO(igi_exr_open(ctx, from, &file));
+    IGI_TRY_GOTO(igi_exr_read_header(ctx, from, file, &l));
     IGI_TRY_GOTO(igi_image_create(ctx, l.data.width, l.data.height, l.channels, &canvas));
     IGI_TRY_GOTO(decode(ctx, from, file, &l, canvas));
     if (memcmp(&l.data, &l.display, sizeof l.data) == 0) {
@@ -507,37 +264,17 @@ cleanup:
 igi_status igi_exr_load_memory(igi_context *ctx, const char *name, const uint8_t *bytes,
                                size_t size, igi_image **image)
 {
-    source from = {.name = name, .fd = -1, .bytes = bytes, .size = size};
+    igi_exr_source from = {.name = name, .fd = -1, .bytes = bytes, .size = size};
     *image = NULL;
     return load(ctx, &from, image);
 }
 
 igi_status igi_image_load_exr(igi_context *ctx, const char *path, igi_image **image)
 {
-    source from = {.fd = -1};
+    igi_exr_source from = {.fd = -1};
     *image = NULL;
-    igi_status status = open_source(ctx, path, &from);
+    igi_status status = igi_exr_open_file(ctx, path, &from);
     if (status == IGI_OK) status = load(ctx, &from, image);
-    if (from.fd >= 0) close(from.fd);
-    return status;
-}
-
-igi_status igi_image_probe_exr(igi_context *ctx, const char *path, int *width, int *height,
-                               int *channels)
-{
-    igi_status status = IGI_OK;
-    exr_context_t file = NULL;
-    source from = {.fd = -1};
-    layout l;
-    *width = *height = *channels = 0;
-    IGI_TRY_GOTO(open_source(ctx, path, &from));
-    IGI_TRY_GOTO(open_exr(ctx, &from, &file));
-    IGI_TRY_GOTO(read_header(ctx, &from, file, &l));
-    *width = l.display.width;
-    *height = l.display.height;
-    *channels = l.channels;
-cleanup:
-    if (file) exr_finish(&file);
     if (from.fd >= 0) close(from.fd);
     return status;
 }
