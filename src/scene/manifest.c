@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/manifest.h"
+
+#include <math.h>
+#include <string.h>
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+/* The number of the region that the value names. */
+static igi_status find_region(igi_context *ctx, const igi_json *at, const char *name,
+                              const igi_scene *scene, int *region)
+{
+    for (size_t i = 0; i < scene->region_count; i++)
+        if (strcmp(scene->regions[i].name, name) == 0) {
+            *region = (int)i;
+            return IGI_OK;
+        }
+    const char *meant = NULL, **names;
+    IGI_TRY(IGI_ALLOC(ctx, scene->region_count, &names));
+    for (size_t i = 0; i < scene->region_count; i++) names[i] = scene->regions[i].name;
+    meant = igi_closest(name, names, scene->region_count);
+    igi_free(names);
+    if (meant)
+        return igi_json_fail(ctx, at, "the mesh has no region \"%s\"; did you mean \"%s\"?", name,
+                             meant);
+    return igi_json_fail(ctx, at, "the mesh has no region \"%s\" with any area; its first is \"%s\"",
+                         name, scene->regions[0].name);
+}
+
+typedef enum light_key {
+    KEY_REGION = 1,
+    KEY_POSITION = 2,
+    KEY_FROM_TO = 4,
+    KEY_DIRECTION = 8,
+    KEY_CONE = 16,
+    KEY_PROFILE = 32,
+    KEY_IMAGE = 64,
+    KEY_SCALE = 128 /* the value is one number */
+} light_key;
+
+static const struct {
+    const char *name;
+    igi_light_type type;
+    const char *value; /* key of its strength */
+    unsigned keys;
+} kinds[] = {
+    {"area", IGI_LIGHT_AREA, "radiance", KEY_REGION},
+    {"point", IGI_LIGHT_POINT, "intensity", KEY_POSITION},
+    {"spot", IGI_LIGHT_SPOT, "intensity", KEY_POSITION | KEY_DIRECTION | KEY_CONE},
+    {"line", IGI_LIGHT_LINE, "intensity", KEY_FROM_TO},
+    {"goniometric", IGI_LIGHT_GONIOMETRIC, "scale", KEY_POSITION | KEY_PROFILE | KEY_SCALE},
+    {"directional", IGI_LIGHT_DIRECTIONAL, "irradiance", KEY_DIRECTION},
+    {"env", IGI_LIGHT_ENV, "scale", KEY_IMAGE | KEY_SCALE},
+    {"ambient", IGI_LIGHT_AMBIENT, "radiance", 0},
+};
+
+static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t kind)
+{
+    const char *known[12];
+    size_t count = 0;
+    unsigned keys = kinds[kind].keys;
+    known[count++] = "type";
+    known[count++] = kinds[kind].value;
+    if (keys & KEY_REGION) known[count++] = "region";
+    if (keys & KEY_POSITION) known[count++] = "position";
+    if (keys & KEY_FROM_TO) known[count++] = "from";
+    if (keys & KEY_FROM_TO) known[count++] = "to";
+    if (keys & KEY_DIRECTION) known[count++] = "direction";
+    if (keys & KEY_CONE) known[count++] = "cutoff_deg";
+    if (keys & KEY_CONE) known[count++] = "beam_deg";
+    if (keys & KEY_PROFILE) known[count++] = "profile";
+    if (keys & KEY_IMAGE) known[count++] = "image";
+    if (keys & KEY_IMAGE) known[count++] = "rotation_deg";
+    return igi_json_check_keys(ctx, at, known, count);
+}
+
+static igi_status read_vector(igi_context *ctx, const igi_json *at, const char *key,
+                              double vector[3])
+{
+    igi_json member = igi_json_member(at, key);
+    return igi_json_numbers(ctx, &member, 3, vector);
+}
+
+static igi_status read_direction(igi_context *ctx, const igi_json *at, double direction[3])
+{
+    IGI_TRY(read_vector(ctx, at, "direction", direction));
+    double length = sqrt(direction[0] * direction[0] + direction[1] * direction[1] +
+                         direction[2] * direction[2]);
+    igi_json member = igi_json_member(at, "direction");
+    if (!(length > 1e-9 && length < 1e100))
+        return igi_json_fail(ctx, &member, "has no length; give the way in which the light travels");
+    for (int k = 0; k < 3; k++) direction[k] /= length;
+    return IGI_OK;
+}
+
+static igi_status read_cone(igi_context *ctx, const igi_json *at, igi_light *light)
+{
+    igi_json cutoff = igi_json_member(at, "cutoff_deg"), beam = igi_json_member(at, "beam_deg");
+    IGI_TRY(igi_json_number(ctx, &cutoff, &light->cutoff_deg));
+    if (!(light->cutoff_deg > 0 && light->cutoff_deg <= 180))
+        return igi_json_fail(ctx, &cutoff, "is %g; give a half angle above 0, up to 180 degrees",
+                             light->cutoff_deg);
+    light->beam_deg = light->cutoff_deg;
+    if (!beam.value) return IGI_OK;
+    IGI_TRY(igi_json_number(ctx, &beam, &light->beam_deg));
+    if (!(light->beam_deg >= 0 && light->beam_deg <= light->cutoff_deg))
+        return igi_json_fail(ctx, &beam, "is %g; give a half angle from 0 to cutoff_deg",
+                             light->beam_deg);
+    return IGI_OK;
+}
+
+static igi_status read_file(igi_context *ctx, const igi_json *at, const char *key, char **file)
+{
+    igi_json member = igi_json_member(at, key);
+    const char *name;
+    char *folder;
+    IGI_TRY(igi_json_string(ctx, &member, &name));
+    IGI_TRY(igi_path_folder(ctx, at->file->path, &folder));
+    igi_status status = igi_path_join(ctx, folder, name, file);
+    igi_free(folder);
+    if (status == IGI_OK && !igi_file_exists(*file))
+        return igi_json_fail(ctx, &member, "no readable file %s; correct the name", *file);
+    return status;
+}
+
+static igi_status check_values(igi_context *ctx, const igi_json *at, const double *value,
+                               size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!(value[i] >= 0 && value[i] < 1e30))
+            return igi_json_fail(ctx, at, "is %g in band %zu; light cannot be negative", value[i],
+                                 i);
+    return IGI_OK;
+}
+
+static igi_status read_value(igi_context *ctx, const igi_json *at, size_t kind, int bands,
+                             igi_light *light)
+{
+    igi_json member = igi_json_member(at, kinds[kind].value);
+    size_t count = (size_t)bands;
+    light->known = member.value != NULL;
+    if (!member.value) {
+        if (light->type != IGI_LIGHT_ENV) return IGI_OK;
+        light->known = true; /* an image of the surroundings says how bright they are */
+        for (size_t i = 0; i < count; i++) light->value[i] = 1;
+        return IGI_OK;
+    }
+    if (kinds[kind].keys & KEY_SCALE) {
+        IGI_TRY(igi_json_number(ctx, &member, &light->value[0]));
+        for (size_t i = 1; i < count; i++) light->value[i] = light->value[0];
+        return check_values(ctx, &member, light->value, count);
+    }
+    size_t got;
+    IGI_TRY(igi_json_array(ctx, &member, &got));
+    if (got != count)
+        return igi_json_fail(ctx, &member, "has %zu bands, but the images have %d; give %d numbers",
+                             got, bands, bands);
+    IGI_TRY(igi_json_numbers(ctx, &member, count, light->value));
+    return check_values(ctx, &member, light->value, count);
+}
+
+static igi_status find_kind(igi_context *ctx, const igi_json *at, size_t *kind)
+{
+    igi_json type = igi_json_member(at, "type");
+    const char *name, *known[COUNT(kinds)];
+    IGI_TRY(igi_json_object(ctx, at));
+    IGI_TRY(igi_json_string(ctx, &type, &name));
+    for (*kind = 0; *kind < COUNT(kinds); ++*kind) {
+        known[*kind] = kinds[*kind].name;
+        if (strcmp(name, kinds[*kind].name) == 0) return IGI_OK;
+    }
+    const char *meant = igi_closest(name, known, COUNT(kinds));
+    if (meant)
+        return igi_json_fail(ctx, &type, "no kind of light is \"%s\"; did you mean \"%s\"?", name,
+                             meant);
+    return igi_json_fail(ctx, &type, "no kind of light is \"%s\"; there are area, point, spot, line, "
+                                     "goniometric, directional, env and ambient", name);
+}
+
+static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_scene *scene,
+                             igi_light *light)
+{
+    size_t kind;
+    IGI_TRY(find_kind(ctx, at, &kind));
+    IGI_TRY(check_light_keys(ctx, at, kind));
+    light->type = kinds[kind].type;
+    light->region = -1;
+    unsigned keys = kinds[kind].keys;
+    if (keys & KEY_REGION) {
+        igi_json region = igi_json_member(at, "region");
+        const char *name;
+        IGI_TRY(igi_json_string(ctx, &region, &name));
+        IGI_TRY(find_region(ctx, &region, name, scene, &light->region));
+    }
+    if (keys & KEY_POSITION) IGI_TRY(read_vector(ctx, at, "position", light->position));
+    if (keys & KEY_FROM_TO) {
+        IGI_TRY(read_vector(ctx, at, "from", light->position));
+        IGI_TRY(read_vector(ctx, at, "to", light->end));
+        if (memcmp(light->position, light->end, sizeof light->end) == 0)
+            return igi_json_fail(ctx, at, "\"from\" and \"to\" are one point; give the line's ends");
+    }
+    if (keys & KEY_DIRECTION) IGI_TRY(read_direction(ctx, at, light->direction));
+    if (keys & KEY_CONE) IGI_TRY(read_cone(ctx, at, light));
+    if (keys & KEY_PROFILE) IGI_TRY(read_file(ctx, at, "profile", &light->file));
+    if (keys & KEY_IMAGE) {
+        igi_json rotation = igi_json_member(at, "rotation_deg");
+        IGI_TRY(read_file(ctx, at, "image", &light->file));
+        if (rotation.value) IGI_TRY(igi_json_number(ctx, &rotation, &light->rotation_deg));
+    }
+    return read_value(ctx, at, kind, scene->bands, light);
+}
+
+igi_status igi_lights_read(igi_context *ctx, const igi_json *array, const igi_scene *scene,
+                           igi_light **lights, size_t *count)
+{
+    size_t length;
+    *lights = NULL;
+    *count = 0;
+    IGI_TRY(igi_json_array(ctx, array, &length));
+    IGI_TRY(IGI_ALLOC(ctx, length, lights));
+    *count = length;
+    bool *lit;
+    IGI_TRY(IGI_ALLOC(ctx, scene->region_count, &lit));
+    igi_status status = IGI_OK;
+    for (size_t i = 0; i < length; i++) {
+        igi_json at = igi_json_element(array, i);
+        igi_light *light = &(*lights)[i];
+        IGI_TRY_GOTO(read_light(ctx, &at, scene, light));
+        if (light->region < 0) continue;
+        if (lit[light->region]) {
+            status = igi_json_fail(ctx, &at, "another light is region \"%s\" already; remove one",
+                                   scene->regions[light->region].name);
+            goto cleanup;
+        }
+        lit[light->region] = true;
+    }
+cleanup:
+    igi_free(lit);
+    return status;
+}
+
+igi_status igi_regions_read(igi_context *ctx, const igi_json *object, igi_scene *scene)
+{
+    static const char *const known[] = {"textured", "emitter"};
+    IGI_TRY(igi_json_object(ctx, object));
+    const char *name;
+    json_t *unused;
+    json_object_foreach(object->value, name, unused)
+    {
+        igi_json at = igi_json_member(object, name);
+        int number;
+        IGI_TRY(find_region(ctx, &at, name, scene, &number));
+        IGI_TRY(igi_json_check_keys(ctx, &at, known, COUNT(known)));
+        igi_region *region = &scene->regions[number];
+        igi_json textured = igi_json_member(&at, "textured");
+        igi_json emitter = igi_json_member(&at, "emitter");
+        if (textured.value) {
+            bool yes;
+            IGI_TRY(igi_json_bool(ctx, &textured, &yes));
+            region->textured = yes ? IGI_YES : IGI_NO;
+        }
+        if (emitter.value) IGI_TRY(igi_json_bool(ctx, &emitter, &region->emitter));
+    }
+    return IGI_OK;
+}

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/mesh.h"
+
+#include "scene/json.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MAX_MESH_BYTES ((size_t)2 << 30)
+#define MAX_REGIONS ((size_t)65536)
+
+igi_mesh_builder igi_mesh_builder_make(igi_context *ctx, const char *file)
+{
+    igi_mesh_builder builder = {.ctx = ctx, .file = file};
+    return builder;
+}
+
+void igi_mesh_builder_clear(igi_mesh_builder *b)
+{
+    for (size_t i = 0; i < b->region_count; i++) igi_free(b->regions[i]);
+    igi_free(b->positions);
+    igi_free(b->uvs);
+    igi_free(b->faces);
+    igi_free(b->regions);
+    igi_free(b->slots);
+    *b = igi_mesh_builder_make(b->ctx, b->file);
+}
+
+/* FILE:LINE: or FILE: in front of a sentence. */
+static igi_status fail_at(const igi_mesh_builder *b, uint32_t line, const char *format, ...)
+    IGI_PRINTF(3, 4);
+static igi_status fail_at(const igi_mesh_builder *b, uint32_t line, const char *format, ...)
+{
+    char what[512], place[16] = "";
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    if (line) snprintf(place, sizeof place, "%u:", (unsigned)line);
+    return igi_fail(b->ctx, IGI_E_DATA, "%s:%s %s", b->file, place, what);
+}
+
+/* Room for one more element of `size` bytes. */
+static igi_status grow_one(igi_context *ctx, void **array, size_t *capacity, size_t count,
+                           size_t size)
+{
+    if (*array && count < *capacity) return IGI_OK;
+    void *grown = igi_grow(ctx, *array, capacity, count + 1, size);
+    if (!grown) return IGI_E_SYSTEM;
+    *array = grown;
+    return IGI_OK;
+}
+
+static igi_status add_floats(igi_context *ctx, float **array, size_t *capacity, size_t *count,
+                             const double *values, size_t width)
+{
+    void *grown = *array;
+    IGI_TRY(grow_one(ctx, &grown, capacity, *count, width * sizeof **array));
+    *array = grown;
+    for (size_t k = 0; k < width; k++) (*array)[*count * width + k] = (float)values[k];
+    ++*count;
+    return IGI_OK;
+}
+
+igi_status igi_mesh_builder_vertex(igi_mesh_builder *b, const double p[3], uint32_t line)
+{
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(p[k]) < 1e30)) /* so that products of three coordinates stay finite in double */
+            return fail_at(b, line, "a coordinate is not a finite number; mend the mesh");
+    if (b->vertex_count >= IGI_NO_UV - 1) return fail_at(b, line, "too many vertices");
+    return add_floats(b->ctx, &b->positions, &b->vertex_capacity, &b->vertex_count, p, 3);
+}
+
+igi_status igi_mesh_builder_uv(igi_mesh_builder *b, const double uv[2], uint32_t line)
+{
+    if (!(fabs(uv[0]) < 1e30 && fabs(uv[1]) < 1e30))
+        return fail_at(b, line, "a texture coordinate is not a finite number; mend the mesh");
+    if (b->uv_count >= IGI_NO_UV - 1) return fail_at(b, line, "too many texture coordinates");
+    return add_floats(b->ctx, &b->uvs, &b->uv_capacity, &b->uv_count, uv, 2);
+}
+
+igi_status igi_mesh_builder_face(igi_mesh_builder *b, const igi_face *face)
+{
+    if (b->face_count >= UINT32_MAX - 1) return fail_at(b, face->line, "too many triangles");
+    void *grown = b->faces;
+    IGI_TRY(grow_one(b->ctx, &grown, &b->face_capacity, b->face_count, sizeof *b->faces));
+    b->faces = grown;
+    b->faces[b->face_count++] = *face;
+    return IGI_OK;
+}
+
+/* FNV-1a */
+static uint32_t hash_name(const char *name, size_t length)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < length; i++) hash = (hash ^ (unsigned char)name[i]) * 16777619u;
+    return hash;
+}
+
+static uint32_t *find_slot(const igi_mesh_builder *b, const char *name, size_t length)
+{
+    size_t i = hash_name(name, length) & (b->slot_count - 1);
+    for (; b->slots[i]; i = (i + 1) & (b->slot_count - 1)) {
+        const char *other = b->regions[b->slots[i] - 1];
+        if (strncmp(other, name, length) == 0 && other[length] == 0) break;
+    }
+    return &b->slots[i];
+}
+
+/* Keeps at least half of the slots free. */
+static igi_status grow_slots(igi_mesh_builder *b)
+{
+    if (b->slot_count >= 2 * (b->region_count + 1)) return IGI_OK;
+    size_t count = b->slot_count ? 2 * b->slot_count : 64;
+    uint32_t *slots;
+    IGI_TRY(IGI_ALLOC(b->ctx, count, &slots));
+    igi_free(b->slots);
+    b->slots = slots;
+    b->slot_count = count;
+    for (size_t i = 0; i < b->region_count; i++)
+        *find_slot(b, b->regions[i], strlen(b->regions[i])) = (uint32_t)i + 1;
+    return IGI_OK;
+}
+
+igi_status igi_mesh_builder_region(igi_mesh_builder *b, const char *name, size_t length,
+                                   uint32_t line, uint32_t *region)
+{
+    IGI_TRY(grow_slots(b));
+    uint32_t *slot = find_slot(b, name, length);
+    if (*slot) {
+        *region = *slot - 1;
+        return IGI_OK;
+    }
+    if (b->region_count == MAX_REGIONS)
+        return fail_at(b, line, "more than %zu materials; join some of them", MAX_REGIONS);
+    void *grown = b->regions;
+    IGI_TRY(grow_one(b->ctx, &grown, &b->region_capacity, b->region_count, sizeof *b->regions));
+    b->regions = grown;
+    char *copy;
+    IGI_TRY(IGI_ALLOC(b->ctx, length + 1, &copy));
+    memcpy(copy, name, length);
+    if (strlen(copy) != length || !igi_is_utf8(copy)) {
+        igi_free(copy);
+        return fail_at(b, line, "a material's name is not UTF-8; rename it");
+    }
+    b->regions[b->region_count++] = copy;
+    *slot = (uint32_t)b->region_count;
+    *region = *slot - 1;
+    return IGI_OK;
+}
+
+static igi_status check_indices(const igi_mesh_builder *b)
+{
+    for (size_t i = 0; i < b->face_count; i++) {
+        const igi_face *f = &b->faces[i];
+        for (int k = 0; k < 3; k++) {
+            if (f->vertex[k] >= b->vertex_count)
+                return fail_at(b, f->line, "a face names vertex %u, but there are only %zu",
+                               (unsigned)f->vertex[k] + 1, b->vertex_count);
+            if (f->uv[k] != IGI_NO_UV && f->uv[k] >= b->uv_count)
+                return fail_at(b, f->line,
+                               "a face names texture coordinate %u, but there are only %zu",
+                               (unsigned)f->uv[k] + 1, b->uv_count);
+        }
+    }
+    return IGI_OK;
+}
+
+/* No area as far as floats can tell: lower than 1e-7 of its longest side. */
+static bool has_area(const igi_mesh_builder *b, const igi_face *f)
+{
+    double e[3][3], longest = 0;
+    for (int k = 0; k < 3; k++) {
+        const float *p = b->positions + 3 * (size_t)f->vertex[k];
+        const float *q = b->positions + 3 * (size_t)f->vertex[(k + 1) % 3];
+        double squared = 0;
+        for (int i = 0; i < 3; i++) {
+            e[k][i] = (double)q[i] - (double)p[i];
+            squared += e[k][i] * e[k][i];
+        }
+        longest = fmax(longest, squared);
+    }
+    double c[3] = {e[0][1] * e[1][2] - e[0][2] * e[1][1], e[0][2] * e[1][0] - e[0][0] * e[1][2],
+                   e[0][0] * e[1][1] - e[0][1] * e[1][0]};
+    return sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) > 1e-7 * longest;
+}
+
+static igi_status drop_degenerate(igi_mesh_builder *b, igi_scene *scene)
+{
+    size_t kept = 0, dropped = 0;
+    uint32_t first_line = 0;
+    for (size_t i = 0; i < b->face_count; i++) {
+        if (has_area(b, &b->faces[i])) b->faces[kept++] = b->faces[i];
+        else if (dropped++ == 0) first_line = b->faces[i].line;
+    }
+    b->face_count = kept;
+    if (kept == 0)
+        return fail_at(b, 0, dropped ? "no triangle has any area; mend the mesh"
+                                     : "no triangles; the mesh needs faces");
+    if (dropped == 0) return IGI_OK;
+    char place[32] = "";
+    if (first_line) snprintf(place, sizeof place, ":%u", (unsigned)first_line);
+    return igi_scene_warn(b->ctx, scene, "%s%s: %zu triangle%s without area left out", b->file,
+                          place, dropped, dropped == 1 ? "" : "s, this the first");
+}
+
+static void take_uvs(const igi_mesh_builder *b, igi_scene *scene, size_t triangle)
+{
+    const igi_face *f = &b->faces[triangle];
+    igi_region *region = &scene->regions[scene->mesh.regions[triangle]];
+    float(*uv)[2] = (float(*)[2])(scene->mesh.uvs + 6 * triangle);
+    bool all = true;
+    for (int k = 0; k < 3; k++) {
+        if (f->uv[k] == IGI_NO_UV) all = false;
+        else memcpy(uv[k], b->uvs + 2 * (size_t)f->uv[k], sizeof uv[k]);
+    }
+    float area = (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) -
+                 (uv[1][1] - uv[0][1]) * (uv[2][0] - uv[0][0]);
+    if (!all || !(area != 0)) region->has_uvs = false;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 2; i++) /* a rounded 0 or 1 is inside */
+            if (uv[k][i] < -1e-4f || uv[k][i] > 1.0001f) region->uvs_wrap = true;
+}
+
+/* Regions in the order in which triangles name them; those without a triangle vanish. */
+static igi_status take_regions(igi_mesh_builder *b, igi_scene *scene)
+{
+    uint32_t *number;
+    IGI_TRY(IGI_ALLOC(b->ctx, b->region_count, &number));
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(b->ctx, b->region_count, &scene->regions));
+    for (size_t i = 0; i < b->face_count; i++) {
+        uint32_t region = b->faces[i].region;
+        if (number[region] == 0) {
+            scene->regions[scene->region_count] = (igi_region){
+                .name = b->regions[region], .textured = IGI_AUTO, .has_uvs = b->uv_count > 0};
+            b->regions[region] = NULL;
+            number[region] = (uint32_t)++scene->region_count;
+        }
+        scene->mesh.regions[i] = number[region] - 1;
+    }
+cleanup:
+    igi_free(number);
+    return status;
+}
+
+static igi_status finish(igi_mesh_builder *b, igi_scene *scene)
+{
+    IGI_TRY(check_indices(b));
+    IGI_TRY(drop_degenerate(b, scene));
+    igi_mesh *mesh = &scene->mesh;
+    mesh->vertex_count = b->vertex_count;
+    mesh->positions = b->positions;
+    b->positions = NULL;
+    mesh->triangle_count = b->face_count;
+    IGI_TRY(IGI_ALLOC(b->ctx, 3 * b->face_count, &mesh->triangles));
+    IGI_TRY(IGI_ALLOC(b->ctx, b->face_count, &mesh->regions));
+    if (b->uv_count) IGI_TRY(IGI_ALLOC(b->ctx, 6 * b->face_count, &mesh->uvs));
+    IGI_TRY(take_regions(b, scene));
+    for (size_t i = 0; i < b->face_count; i++) {
+        memcpy(mesh->triangles + 3 * i, b->faces[i].vertex, sizeof b->faces[i].vertex);
+        if (mesh->uvs) take_uvs(b, scene, i);
+    }
+    return IGI_OK;
+}
+
+igi_status igi_mesh_load(igi_context *ctx, igi_scene *scene, const char *path)
+{
+    igi_mesh_builder builder = igi_mesh_builder_make(ctx, path);
+    igi_text text = {0};
+    igi_status status = IGI_OK;
+    if (igi_ends_with(path, ".obj")) {
+        IGI_TRY_GOTO(igi_text_load(ctx, path, MAX_MESH_BYTES, &text));
+        IGI_TRY_GOTO(igi_obj_read(&builder, &text));
+    } else {
+        IGI_TRY_GOTO(igi_assimp_read(&builder));
+    }
+    status = finish(&builder, scene);
+cleanup:
+    igi_free(text.bytes);
+    igi_mesh_builder_clear(&builder);
+    return status;
+}
