@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * One task a photograph: load, trace, keep. Pixels are kept in arrays of the frame's own, which
+ * are then joined one kind at a time, so that the peak stays near the final size.
+ */
+#include "observe/observations.h"
+
+#include "base/parallel.h"
+#include "base/rng.h"
+#include "observe/visible.h"
+
+#include <igi/image.h>
+#include <string.h>
+
+#define DEFAULT_LIMIT ((size_t)8 << 20)
+/* A photograph with more broken pixels than this share is refused. */
+#define BROKEN_SHARE 0.1
+/* Noise about zero is data; what lies farther below zero than this share of the mean is not. */
+#define NEGATIVE_SHARE 0.05f
+
+typedef struct frame_pixels {
+    size_t count;
+    uint32_t *surface, *pixel;
+    float *uv, *radiance;
+    size_t broken;
+    uint32_t first_broken;
+} frame_pixels;
+
+typedef struct job {
+    const igi_scene *scene;
+    const igi_tracer *tracer;
+    uint32_t keep_below; /* of a 32-bit hash; UINT32_MAX: all */
+    frame_pixels *frames;
+} job;
+
+static float mean_of_finite(const igi_image *image, int bands)
+{
+    double sum = 0;
+    size_t n = 0, pixels = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < pixels; i++)
+        for (int b = 0; b < bands; b++) {
+            float x = image->samples[i * (size_t)image->channels + (size_t)b];
+            if (isfinite(x)) {
+                sum += (double)x;
+                n++;
+            }
+        }
+    return n ? (float)(sum / (double)n) : 0;
+}
+
+static bool is_broken(const float *radiance, int bands, float lowest)
+{
+    for (int b = 0; b < bands; b++)
+        if (!isfinite(radiance[b]) || radiance[b] < lowest) return true;
+    return false;
+}
+
+static bool is_kept(const job *j, size_t frame, uint32_t pixel)
+{
+    if (j->keep_below == UINT32_MAX) return true;
+    return (uint32_t)igi_hash64((uint64_t)frame << 32 | pixel) < j->keep_below;
+}
+
+static void collect(const job *j, size_t frame, const igi_image *image, const igi_visible *visible)
+{
+    frame_pixels *f = &j->frames[frame];
+    int bands = j->scene->bands;
+    float lowest = -NEGATIVE_SHARE * fmaxf(0, mean_of_finite(image, bands));
+    uint32_t pixels = (uint32_t)(image->width * image->height);
+    for (uint32_t i = 0; i < pixels; i++) {
+        const float *radiance = image->samples + (size_t)i * (size_t)image->channels;
+        if (is_broken(radiance, bands, lowest)) {
+            if (f->broken++ == 0) f->first_broken = i;
+            continue;
+        }
+        const igi_hit *hit = &visible->hits[i];
+        if (hit->triangle == IGI_NO_HIT || visible->near_edge[i] || !is_kept(j, frame, i)) continue;
+        f->surface[f->count] = igi_surface_of(hit);
+        f->pixel[f->count] = i;
+        f->uv[2 * f->count] = hit->u;
+        f->uv[2 * f->count + 1] = hit->v;
+        memcpy(f->radiance + f->count * (size_t)bands, radiance, (size_t)bands * sizeof(float));
+        f->count++;
+    }
+}
+
+static igi_status check_photograph(igi_context *ctx, const igi_scene *scene, size_t frame,
+                                   const igi_image *image)
+{
+    const igi_frame *f = &scene->frames[frame];
+    if (image->width != f->camera.width || image->height != f->camera.height)
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: the image is %d x %d pixels, its camera %d x %d; scale one to the other",
+                        f->path, image->width, image->height, f->camera.width, f->camera.height);
+    if (image->channels < scene->bands)
+        return igi_fail(ctx, IGI_E_DATA, "%s: %d channels where %d bands are needed", f->path,
+                        image->channels, scene->bands);
+    return IGI_OK;
+}
+
+static igi_status check_pixels(igi_context *ctx, const igi_scene *scene, size_t frame,
+                               const frame_pixels *f, const igi_visible *visible)
+{
+    const igi_frame *meta = &scene->frames[frame];
+    size_t pixels = (size_t)visible->width * (size_t)visible->height;
+    if ((double)f->broken > BROKEN_SHARE * (double)pixels)
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: %zu of %zu pixels are negative, infinite or not a number (first at "
+                        "column %u, row %u); export it again, or leave it out of the cameras' file",
+                        meta->path, f->broken, pixels,
+                        f->first_broken % (uint32_t)visible->width,
+                        f->first_broken / (uint32_t)visible->width);
+    for (size_t i = 0; i < pixels; i++)
+        if (visible->hits[i].triangle != IGI_NO_HIT) return IGI_OK;
+    return igi_fail(ctx, IGI_E_DATA,
+                    "%s: this camera sees nothing of the mesh; check that mesh and cameras share "
+                    "one frame and one unit (metres)",
+                    meta->path);
+}
+
+static igi_status allocate_frame(igi_context *ctx, frame_pixels *f, size_t pixels, int bands)
+{
+    IGI_TRY(IGI_ALLOC(ctx, pixels, &f->surface));
+    IGI_TRY(IGI_ALLOC(ctx, pixels, &f->pixel));
+    IGI_TRY(IGI_ALLOC(ctx, 2 * pixels, &f->uv));
+    return IGI_ALLOC(ctx, (size_t)bands * pixels, &f->radiance);
+}
+
+static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int worker)
+{
+    (void)worker;
+    job *j = user;
+    igi_image *image = NULL;
+    igi_visible visible = {0};
+    igi_status status = IGI_OK;
+    const igi_frame *meta = &j->scene->frames[frame];
+    IGI_TRY_GOTO(igi_image_load_exr(ctx, meta->path, &image));
+    IGI_TRY_GOTO(check_photograph(ctx, j->scene, frame, image));
+    IGI_TRY_GOTO(igi_visible_create(ctx, j->scene, j->tracer, &meta->camera, &visible));
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    IGI_TRY_GOTO(allocate_frame(ctx, &j->frames[frame], pixels, j->scene->bands));
+    collect(j, frame, image, &visible);
+    IGI_TRY_GOTO(check_pixels(ctx, j->scene, frame, &j->frames[frame], &visible));
+cleanup:
+    igi_visible_clear(&visible);
+    igi_image_destroy(image);
+    return status;
+}
+
+/* Moves an array that every frame has, of `per` elements a pixel, into one of all frames. */
+#define JOIN(field, per)                                                              \
+    do {                                                                              \
+        IGI_TRY(IGI_ALLOC(ctx, o->count * (size_t)(per), &o->field));                 \
+        for (size_t i = 0; i < o->frame_count; i++) {                                 \
+            frame_pixels *f = &j->frames[i];                                          \
+            memcpy(o->field + o->frame_begin[i] * (size_t)(per), f->field,            \
+                   f->count * (size_t)(per) * sizeof *f->field);                      \
+            igi_free(f->field);                                                       \
+            f->field = NULL;                                                          \
+        }                                                                             \
+    } while (0)
+
+static igi_status join_all(igi_context *ctx, job *j, igi_observations *o)
+{
+    IGI_TRY(IGI_ALLOC(ctx, o->frame_count + 1, &o->frame_begin));
+    for (size_t i = 0; i < o->frame_count; i++)
+        o->frame_begin[i + 1] = o->frame_begin[i] + j->frames[i].count;
+    o->count = o->frame_begin[o->frame_count];
+    JOIN(surface, 1);
+    JOIN(pixel, 1);
+    JOIN(uv, 2);
+    JOIN(radiance, o->bands);
+    return IGI_OK;
+}
+
+static igi_status warn_of_broken(igi_context *ctx, const job *j, igi_observations *o)
+{
+    IGI_TRY(IGI_ALLOC(ctx, o->frame_count, &o->warnings));
+    for (size_t i = 0; i < o->frame_count; i++) {
+        const frame_pixels *f = &j->frames[i];
+        if (f->broken == 0) continue;
+        uint32_t width = (uint32_t)j->scene->frames[i].camera.width;
+        IGI_TRY(igi_strprintf(ctx, &o->warnings[o->warning_count],
+                              "image %s: %zu pixels are negative, infinite or not a number and were "
+                              "left out (first at column %u, row %u)",
+                              j->scene->frames[i].name, f->broken, f->first_broken % width,
+                              f->first_broken / width));
+        o->warning_count++;
+    }
+    return IGI_OK;
+}
+
+static uint32_t share_to_keep(const igi_scene *scene, size_t limit)
+{
+    double total = 0;
+    for (size_t i = 0; i < scene->frame_count; i++)
+        total += (double)scene->frames[i].camera.width * scene->frames[i].camera.height;
+    double share = (double)(limit ? limit : DEFAULT_LIMIT) / fmax(total, 1);
+    return share >= 1 ? UINT32_MAX : (uint32_t)(share * (double)UINT32_MAX);
+}
+
+igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                       size_t limit, igi_observations **observations)
+{
+    *observations = NULL;
+    job j = {.scene = scene, .tracer = tracer, .keep_below = share_to_keep(scene, limit)};
+    igi_observations *o = NULL;
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.frames));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &o));
+    o->bands = scene->bands;
+    o->frame_count = scene->frame_count;
+    IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
+    IGI_TRY_GOTO(warn_of_broken(ctx, &j, o));
+    IGI_TRY_GOTO(join_all(ctx, &j, o));
+    *observations = o;
+    o = NULL;
+cleanup:
+    for (size_t i = 0; j.frames && i < scene->frame_count; i++) {
+        igi_free(j.frames[i].surface);
+        igi_free(j.frames[i].pixel);
+        igi_free(j.frames[i].uv);
+        igi_free(j.frames[i].radiance);
+    }
+    igi_free(j.frames);
+    igi_observations_destroy(o);
+    return status;
+}
+
+void igi_observations_destroy(igi_observations *observations)
+{
+    if (!observations) return;
+    for (size_t i = 0; i < observations->warning_count; i++) igi_free(observations->warnings[i]);
+    igi_free(observations->warnings);
+    igi_free(observations->frame_begin);
+    igi_free(observations->surface);
+    igi_free(observations->uv);
+    igi_free(observations->pixel);
+    igi_free(observations->radiance);
+    igi_free(observations);
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Photographs turned into observations: this point of that surface was seen with this radiance.
+ */
+#ifndef IGI_SRC_OBSERVE_OBSERVATIONS_H
+#define IGI_SRC_OBSERVE_OBSERVATIONS_H
+
+#include "trace/trace.h"
+
+/* One side of one triangle, in one number. */
+static inline uint32_t igi_surface_of(const igi_hit *hit)
+{
+    return hit->triangle << 1 | (hit->back ? 1u : 0u);
+}
+static inline uint32_t igi_surface_triangle(uint32_t surface)
+{
+    return surface >> 1;
+}
+static inline bool igi_surface_is_back(uint32_t surface)
+{
+    return (surface & 1) != 0;
+}
+
+/* Pixels that show one surface point each; in the order of frames, then of pixels. */
+typedef struct igi_observations {
+    int bands;
+    size_t count;
+    size_t frame_count;
+    size_t *frame_begin; /* [frame_count + 1] */
+    uint32_t *surface;   /* [count] */
+    float *uv;           /* [count][2] barycentric */
+    uint32_t *pixel;     /* [count] row * width + column in its frame */
+    float *radiance;     /* [count][bands], W m^-2 sr^-1 */
+    size_t warning_count;
+    char **warnings;
+} igi_observations;
+
+/* Reads every photograph of the scene once, finds what each pixel shows, and leaves out pixels near
+ * edges, pixels that show nothing, and pixels that are not finite or clearly negative (with a
+ * warning that names the first). Of more than `limit` pixels an even share is kept (0: 8 million).
+ * IGI_E_DATA when a photograph has no usable pixel because its camera sees no surface, or too many
+ * of its pixels are broken. */
+IGI_MUST_USE igi_status igi_observe(igi_context *ctx, const igi_scene *scene,
+                                    const igi_tracer *tracer, size_t limit,
+                                    igi_observations **observations);
+void igi_observations_destroy(igi_observations *observations);
+
+#endif

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "observe/visible.h"
+
+#include "scene/camera.h"
+
+/* Neighbours whose normals differ by more than 30 degrees are an edge. */
+#define SMOOTH_COS 0.866f
+/* Neighbours that lie this many pixel widths off each other's plane are an edge. */
+#define DEPTH_JUMP_PX 2.0f
+
+static void trace_pixels(const igi_tracer *tracer, const igi_camera *camera, igi_hit *hits)
+{
+    igi_vec centre = igi_camera_centre(camera);
+    for (int y = 0; y < camera->height; y++)
+        for (int x = 0; x < camera->width; x++)
+            *hits++ = igi_trace(tracer, centre, igi_camera_direction(camera, x + 0.5, y + 0.5));
+}
+
+static bool is_edge(const igi_scene *scene, const igi_hit *a, const igi_hit *b, float pixel_rad)
+{
+    if (a->triangle == b->triangle && a->back == b->back) return false;
+    if (a->triangle == IGI_NO_HIT || b->triangle == IGI_NO_HIT) return true;
+    const igi_mesh *mesh = &scene->mesh;
+    if (mesh->regions[a->triangle] != mesh->regions[b->triangle]) return true;
+    igi_vec na = igi_triangle_normal(mesh, a->triangle), nb = igi_triangle_normal(mesh, b->triangle);
+    float side = a->back == b->back ? 1.0f : -1.0f;
+    if (side * igi_dot(na, nb) < SMOOTH_COS) return true;
+    igi_vec offset = igi_sub(igi_triangle_point(mesh, b->triangle, b->u, b->v),
+                             igi_triangle_point(mesh, a->triangle, a->u, a->v));
+    float pixel_m = pixel_rad * fminf(a->distance, b->distance);
+    return fabsf(igi_dot(na, offset)) > DEPTH_JUMP_PX * pixel_m;
+}
+
+static void mark_beside_edges(const igi_scene *scene, igi_visible *v, float pixel_rad)
+{
+    int w = v->width, h = v->height;
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++) {
+            int i = y * w + x;
+            const igi_hit *hit = &v->hits[i];
+            if (x + 1 < w && is_edge(scene, hit, hit + 1, pixel_rad))
+                v->near_edge[i] = v->near_edge[i + 1] = 2;
+            if (y + 1 < h && is_edge(scene, hit, hit + w, pixel_rad))
+                v->near_edge[i] = v->near_edge[i + w] = 2;
+        }
+}
+
+static void mark_neighbours(igi_visible *v, int x, int y)
+{
+    for (int j = y - 1; j <= y + 1; j++)
+        for (int i = x - 1; i <= x + 1; i++) {
+            if (i < 0 || j < 0 || i >= v->width || j >= v->height) continue;
+            uint8_t *mark = &v->near_edge[j * v->width + i];
+            if (*mark == 0) *mark = 1;
+        }
+}
+
+igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                              const igi_camera *camera, igi_visible *visible)
+{
+    size_t pixels = (size_t)camera->width * (size_t)camera->height;
+    *visible = (igi_visible){.width = camera->width, .height = camera->height};
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &visible->hits));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &visible->near_edge));
+    trace_pixels(tracer, camera, visible->hits);
+    igi_count_rays(ctx, pixels);
+    mark_beside_edges(scene, visible, (float)(1 / camera->fl_x));
+    for (int y = 0; y < visible->height; y++)
+        for (int x = 0; x < visible->width; x++)
+            if (visible->near_edge[y * visible->width + x] == 2) mark_neighbours(visible, x, y);
+cleanup:
+    if (status != IGI_OK) igi_visible_clear(visible);
+    return status;
+}
+
+void igi_visible_clear(igi_visible *visible)
+{
+    igi_free(visible->hits);
+    igi_free(visible->near_edge);
+    *visible = (igi_visible){0};
+}

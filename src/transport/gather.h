@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Rows of gathered light: for a side of a patch, which other sides its rays meet, and what the
+ * lights give it directly.
+ *
+ *     E_i = sum_l G_il value_l + (pi / K) sum_k L(hit_ik)
+ *
+ * with K cosine-distributed rays: a sparse row of the form-factor matrix, F_ij = (hits of j) / K.
+ * The rays start at the points of the side that the photographs show, so that irradiance and
+ * radiance are means over the same places; of a side that none shows, at points of all of it.
+ */
+#ifndef IGI_SRC_TRANSPORT_GATHER_H
+#define IGI_SRC_TRANSPORT_GATHER_H
+
+#include "light/light.h"
+#include "transport/patches.h"
+
+/* Points on surfaces, sorted by side of patch: those of side s are order[begin[s]..begin[s + 1]),
+ * each an index into surface (triangle << 1 | back) and uv. */
+typedef struct igi_sites {
+    const size_t *begin;
+    const uint32_t *order;
+    const uint32_t *surface;
+    const float *uv;
+} igi_sites;
+
+typedef struct igi_gather_options {
+    int rays;        /* K, rays of each row; >= 1 */
+    int shadow_rays; /* of each row and light; >= 1 */
+} igi_gather_options;
+
+#define IGI_NO_ROW UINT32_MAX
+
+typedef struct igi_rows {
+    size_t count;
+    size_t seen_count; /* rows 0..seen_count-1 are sides with sites; the others were met by rays */
+    int rays;
+    size_t lights;
+    uint32_t *side;   /* [count] 2 patch + back */
+    uint32_t *row_of; /* [2 * patches] row of a side, or IGI_NO_ROW */
+    uint32_t *hits;   /* [count][rays] row met, or IGI_NO_ROW: nothing, or a lamp */
+    float *direct;    /* [count][lights] irradiance per unit of the light's value */
+    float *point;     /* [count][3] mean place of its ray origins */
+} igi_rows;
+
+/* Rows of every side with sites, of every side that these rows meet, and so on until no new side
+ * is met. Emitters reflect nothing and get no row. */
+IGI_MUST_USE igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene,
+                                        const igi_patches *patches, const igi_tracer *tracer,
+                                        const igi_lighting *lighting, const igi_sites *sites,
+                                        const igi_gather_options *options, igi_rows **rows);
+void igi_rows_destroy(igi_rows *rows);
+
+#endif
