@@ -122,7 +122,7 @@ igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_
     igi_region_sums *sums = NULL;
     solver s = {.problem = problem, .bands = problem->bands, .albedo = diffuse->albedo};
     int rays = problem->options->rays ? problem->options->rays : 16;
-    igi_gather_options options = {.rays = rays, .shadow_rays = rays > 1 ? rays / 2 : 1};
+    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 4 : 1};
     igi_sites sites = igi_problem_sites(problem);
     igi_stage_begin(ctx, "gather");
     IGI_TRY_GOTO(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,

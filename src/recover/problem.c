@@ -64,8 +64,8 @@ static void average_side(igi_problem *p, uint32_t side)
 {
     size_t n = igi_problem_seen_count(p, side), bands = (size_t)p->bands;
     if (n == 0) return;
-    spread all = spread_of(p, side, -INFINITY, INFINITY);
-    double reach = n > 4 ? OUTLIER_SIGMAS * sqrt(all.variance) : INFINITY;
+    spread all = spread_of(p, side, -HUGE_VAL, HUGE_VAL);
+    double reach = n > 4 ? OUTLIER_SIGMAS * sqrt(all.variance) : HUGE_VAL;
     /* The outliers widen the spread that is to expose them: once more without them. */
     spread core = spread_of(p, side, all.mean - reach / 2, all.mean + reach / 2);
     if (n > 4) reach = OUTLIER_SIGMAS * sqrt(core.variance);

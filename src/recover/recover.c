@@ -35,3 +35,162 @@ void igi_recover_options_init(igi_recover_options *options)
 {
     *options = (igi_recover_options){.struct_size = sizeof *options};
 }
+
+static igi_method_fn method_function(igi_method method)
+{
+    switch (method) {
+    case IGI_METHOD_PATCHES: return igi_method_patches;
+    case IGI_METHOD_GATHER: return igi_method_patches;
+    case IGI_METHOD_RADIOSITY: return igi_method_patches;
+    case IGI_METHOD_DIRECT: return igi_method_patches;
+    }
+    return NULL;
+}
+
+/* Share of each region's area that photographs show, and how many photographs show it. */
+static igi_status measure_coverage(igi_context *ctx, const igi_problem *p, igi_materials *m)
+{
+    size_t regions = p->scene->region_count;
+    double *area;
+    IGI_TRY(IGI_ALLOC(ctx, regions, &area));
+    for (uint32_t patch = 0; patch < p->patches->count; patch++) {
+        if (p->patches->triangle[patch] == IGI_NO_HIT) continue;
+        uint32_t r = igi_patch_region(p->patches, patch);
+        double a = (double)p->patches->area[patch];
+        area[r] += a;
+        if (igi_problem_seen_count(p, 2 * patch) + igi_problem_seen_count(p, 2 * patch + 1) > 0)
+            m->materials[r].observed += a;
+    }
+    for (size_t r = 0; r < regions; r++)
+        if (area[r] > 0) m->materials[r].observed /= area[r];
+    igi_free(area);
+    const igi_observations *o = p->observations;
+    bool *shown;
+    IGI_TRY(IGI_ALLOC(ctx, regions, &shown));
+    for (size_t f = 0; f < o->frame_count; f++) {
+        memset(shown, 0, regions * sizeof *shown);
+        for (size_t i = o->frame_begin[f]; i < o->frame_begin[f + 1]; i++)
+            shown[p->scene->mesh.regions[igi_surface_triangle(o->surface[i])]] = true;
+        for (size_t r = 0; r < regions; r++) m->materials[r].views += shown[r];
+    }
+    igi_free(shown);
+    return IGI_OK;
+}
+
+static igi_status add_warning(igi_context *ctx, char ***warnings, size_t *count, char *sentence)
+{
+    size_t capacity = *count;
+    char **grown = igi_grow(ctx, *warnings, &capacity, *count + 1, sizeof *grown);
+    if (!grown) {
+        igi_free(sentence);
+        return IGI_E_SYSTEM;
+    }
+    *warnings = grown;
+    grown[(*count)++] = sentence;
+    return IGI_OK;
+}
+
+static igi_status make_material(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
+                                size_t region, igi_material *m)
+{
+    const igi_region *r = &p->scene->regions[region];
+    IGI_TRY(igi_strdup(ctx, r->name, &m->region));
+    m->emitter = r->emitter;
+    m->model = IGI_LAMBERT;
+    m->determined = d->determined[region];
+    for (int b = 0; b < p->bands; b++) {
+        m->albedo[b] = d->albedo[region][b];
+        m->albedo_std[b] = d->albedo_std[region][b];
+    }
+    if (r->emitter || m->determined) return IGI_OK;
+    char *sentence;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "no photograph determines it: the albedo is a guess from the other regions; "
+                          "add a photograph that shows it"));
+    return add_warning(ctx, &m->warnings, &m->warning_count, sentence);
+}
+
+static igi_status make_materials(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
+                                 igi_materials **materials)
+{
+    igi_status status = IGI_OK;
+    igi_materials *m = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &m));
+    IGI_TRY_GOTO(igi_strdup(ctx, p->scene->name, &m->scene));
+    m->bands = p->bands;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->region_count, &m->materials));
+    m->count = p->scene->region_count;
+    for (size_t r = 0; r < m->count; r++)
+        IGI_TRY_GOTO(make_material(ctx, p, d, r, &m->materials[r]));
+    IGI_TRY_GOTO(measure_coverage(ctx, p, m));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->lights));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->light_std));
+    m->light_count = p->scene->light_count;
+    for (size_t l = 0; l < m->light_count; l++) {
+        m->lights[l] = p->lights[l];
+        m->lights[l].file = NULL;
+        if (p->lights[l].file) IGI_TRY_GOTO(igi_strdup(ctx, p->lights[l].file, &m->lights[l].file));
+        memcpy(m->light_std[l], p->light_std[l], sizeof m->light_std[l]);
+    }
+    for (size_t i = 0; i < p->observations->warning_count; i++) {
+        char *sentence;
+        IGI_TRY_GOTO(igi_strdup(ctx, p->observations->warnings[i], &sentence));
+        IGI_TRY_GOTO(add_warning(ctx, &m->warnings, &m->warning_count, sentence));
+    }
+    *materials = m;
+    m = NULL;
+cleanup:
+    igi_materials_destroy(m);
+    return status;
+}
+
+igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recover_options *options,
+                       igi_recovery **recovery)
+{
+    igi_status status = IGI_OK;
+    igi_recover_options o;
+    igi_tracer *tracer = NULL;
+    igi_observations *observations = NULL;
+    igi_patches *patches = NULL;
+    igi_problem *problem = NULL;
+    igi_diffuse *diffuse = NULL;
+    igi_recovery *r = NULL;
+    *recovery = NULL;
+    igi_recover_options_init(&o);
+    if (options) o = *options;
+    igi_stage_begin(ctx, "observe");
+    IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
+    IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
+    igi_stage_begin(ctx, "patches");
+    float size = o.patch_m > 0 ? (float)o.patch_m : PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);
+    IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, size, &patches));
+    IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, &o, &problem));
+    IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
+    IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
+    IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, &r->materials));
+    *recovery = r;
+    r = NULL;
+cleanup:
+    igi_stage_begin(ctx, NULL);
+    igi_recovery_destroy(r);
+    igi_diffuse_destroy(diffuse);
+    igi_problem_destroy(problem);
+    igi_patches_destroy(patches);
+    igi_observations_destroy(observations);
+    igi_tracer_destroy(tracer);
+    return status;
+}
+
+void igi_recovery_destroy(igi_recovery *recovery)
+{
+    if (!recovery) return;
+    igi_materials_destroy(recovery->materials);
+    for (size_t i = 0; i < recovery->comparison_count; i++) {
+        igi_free(recovery->comparisons[i].frame);
+        igi_image_destroy(recovery->comparisons[i].photo);
+        igi_image_destroy(recovery->comparisons[i].prediction);
+    }
+    igi_free(recovery->comparisons);
+    igi_free(recovery);
+}

@@ -12,6 +12,8 @@
 #include <string.h>
 
 #define ROWS_A_TASK 128
+/* Shadow rays from each point to each light: two, so that each corrects the other's bias. */
+#define SHADOW_RAYS 2
 
 typedef struct job {
     const igi_scene *scene;
@@ -87,13 +89,14 @@ static void gather_indirect(const job *j, size_t row, igi_rng *rng)
 static void gather_direct(const job *j, size_t row, igi_rng *rng)
 {
     igi_rows *r = j->rows;
-    for (int k = 0; k < j->options.shadow_rays; k++) {
-        place p = origin(j, r->side[row], k, j->options.shadow_rays, rng);
+    int points = j->options.light_points;
+    for (int k = 0; k < points; k++) {
+        place p = origin(j, r->side[row], k, points, rng);
         for (size_t l = 0; l < r->lights; l++) {
-            uint64_t key = (uint64_t)row * (uint64_t)j->options.shadow_rays + (uint64_t)k;
+            uint64_t key = ((uint64_t)row * (uint64_t)points + (uint64_t)k) * r->lights + l;
             r->direct[row * r->lights + l] +=
-                igi_light_irradiance(j->lighting, j->tracer, l, p.point, p.normal, 1, key) /
-                (float)j->options.shadow_rays;
+                igi_light_irradiance(j->lighting, j->tracer, l, p.point, p.normal, SHADOW_RAYS, key) /
+                (float)points;
         }
     }
 }
@@ -109,7 +112,7 @@ static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int wor
         gather_indirect(j, row, &rng);
         gather_direct(j, row, &rng);
     }
-    size_t rays = (size_t)j->rows->rays + (size_t)j->options.shadow_rays * j->rows->lights;
+    size_t rays = (size_t)j->rows->rays + (size_t)j->options.light_points * SHADOW_RAYS * j->rows->lights;
     igi_count_rays(ctx, (end - begin) * rays);
     return IGI_OK;
 }

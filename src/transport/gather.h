@@ -26,7 +26,7 @@ typedef struct igi_sites {
 
 typedef struct igi_gather_options {
     int rays;        /* K, rays of each row; >= 1 */
-    int shadow_rays; /* of each row and light; >= 1 */
+    int light_points; /* points of each row from which the lights are looked for; >= 1 */
 } igi_gather_options;
 
 #define IGI_NO_ROW UINT32_MAX
