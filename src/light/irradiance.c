@@ -180,7 +180,7 @@ static float area_by_samples(const igi_lighting *l, size_t light, const igi_trac
         if (!igi_light_sample_toward(l, light, point, u, v, &s)) continue;
         float cosine = igi_dot(s.direction, normal);
         if (!(cosine > 0)) continue;
-        if (!igi_occluded(tracer, point, igi_madd(point, s.direction, s.distance)))
+        if (!tracer || !igi_occluded(tracer, point, igi_madd(point, s.direction, s.distance)))
             sum += cosine * s.weight;
     }
     return sum / (float)rays;
@@ -196,6 +196,7 @@ static float area_irradiance(const igi_lighting *l, size_t light, const igi_trac
     const emitter *emitters = l->emitters + s->first;
     float sum = weigh(emitters, s->count, point, normal, weights);
     if (!(sum > 0)) return 0;
+    if (!tracer) return sum;
     return seen_irradiance(emitters, weights, sum, tracer, point, normal, rays, key);
 }
 
@@ -234,7 +235,7 @@ static float line_irradiance(const source *s, const igi_tracer *tracer, igi_vec 
     if (!(s->length > 0)) return 0;
     segment part = visible_segment(s, point, normal);
     float open = segment_irradiance(&part, normal), length = part.t1 - part.t0;
-    if (!(open > 0)) return 0;
+    if (!(open > 0) || !tracer) return fmaxf(0.0f, open);
     half halves[2] = {{0, 0, 0}, {0, 0, 0}};
     pattern shift = pattern_start(key);
     for (int k = 0; k < rays; k++) {
@@ -251,6 +252,7 @@ static float line_irradiance(const source *s, const igi_tracer *tracer, igi_vec 
 static float ambient_irradiance(const igi_tracer *tracer, igi_vec point, igi_vec normal, int rays,
                                 uint64_t key)
 {
+    if (!tracer) return IGI_PIF;
     int open = 0;
     pattern p = pattern_start(key);
     for (int k = 0; k < rays; k++) {
@@ -268,6 +270,7 @@ static float one_ray(const igi_lighting *l, size_t light, const igi_tracer *trac
     if (!igi_light_sample_toward(l, light, point, 0.5f, 0.5f, &s)) return 0;
     float cosine = igi_dot(s.direction, normal);
     if (!(cosine > 0)) return 0;
+    if (!tracer) return cosine * s.weight;
     bool hidden = isinf(s.distance)
                       ? igi_occluded_toward(tracer, point, s.direction, INFINITY)
                       : igi_occluded(tracer, point, igi_madd(point, s.direction, s.distance));

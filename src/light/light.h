@@ -44,7 +44,8 @@ void igi_lighting_add_emitted(const igi_lighting *lighting, igi_vec direction, c
 
 /* Irradiance at `point` (on the side of `normal`) by light number `light` for a value of 1 in a
  * band, W m^-2 per unit of value: closed form for what is unoccluded, times the visible fraction
- * found with `rays` shadow rays whose pattern is keyed by `key`. */
+ * found with `rays` shadow rays whose pattern is keyed by `key`. Without a tracer (NULL): as if
+ * nothing were in between. */
 float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *tracer, size_t light,
                            igi_vec point, igi_vec normal, int rays, uint64_t key);
 
