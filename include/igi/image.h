@@ -37,9 +37,11 @@ IGI_API void igi_image_destroy(igi_image *image);
 IGI_API IGI_MUST_USE igi_status igi_image_load_exr(igi_context *context, const char *path,
                                                    igi_image **image);
 
-/* Size and channel count from the header alone, as igi_image_load_exr would return them. */
+/* Size and channel count from the header alone, as igi_image_load_exr would return them. *bands:
+ * the channels but for alpha ("A"). */
 IGI_API IGI_MUST_USE igi_status igi_image_probe_exr(igi_context *context, const char *path,
-                                                    int *width, int *height, int *channels);
+                                                    int *width, int *height, int *channels,
+                                                    int *bands);
 
 typedef enum igi_exr_depth { IGI_EXR_HALF, IGI_EXR_FLOAT } igi_exr_depth;
 

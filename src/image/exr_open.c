@@ -219,19 +219,20 @@ igi_status igi_exr_read_header(igi_context *ctx, const igi_exr_source *from, exr
 }
 
 igi_status igi_image_probe_exr(igi_context *ctx, const char *path, int *width, int *height,
-                               int *channels)
+                               int *channels, int *bands)
 {
     igi_status status = IGI_OK;
     exr_context_t file = NULL;
     igi_exr_source from = {.fd = -1};
     igi_exr_layout l;
-    *width = *height = *channels = 0;
+    *width = *height = *channels = *bands = 0;
     IGI_TRY_GOTO(igi_exr_open_file(ctx, path, &from));
     IGI_TRY_GOTO(igi_exr_open(ctx, &from, &file));
     IGI_TRY_GOTO(igi_exr_read_header(ctx, &from, file, &l));
     *width = l.display.width;
     *height = l.display.height;
-    *channels = l.channels;
+    *channels = *bands = l.channels;
+    for (int i = 0; i < l.channels; i++) *bands -= strcmp(l.names[i], "A") == 0;
 cleanup:
     if (file) exr_finish(&file);
     if (from.fd >= 0) close(from.fd);

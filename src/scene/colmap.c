@@ -131,19 +131,31 @@ static igi_status set_pose(colmap_reader *r, igi_camera *c, const double q[4], c
     return igi_frame_orthonormalize(c) ? IGI_OK : fail(r, "the pose is not finite");
 }
 
+static int by_id(const void *a, const void *b)
+{
+    const colmap_camera *x = a, *y = b;
+    return (x->id > y->id) - (x->id < y->id);
+}
+
+static void sort_cameras(colmap_reader *r)
+{
+    if (r->camera_count) qsort(r->cameras, r->camera_count, sizeof *r->cameras, by_id);
+}
+
 static igi_status add_frame(colmap_reader *r, const double pose[7], uint64_t camera,
                             const char *name)
 {
-    size_t k = 0;
-    while (k < r->camera_count && r->cameras[k].id != camera) k++;
-    if (k == r->camera_count) return fail(r, "the image names a camera that is not in cameras");
+    const colmap_camera key = {.id = camera};
+    const colmap_camera *found =
+        r->camera_count ? bsearch(&key, r->cameras, r->camera_count, sizeof key, by_id) : NULL;
+    if (!found) return fail(r, "the image names a camera that is not in cameras");
     if (!name[0]) return fail(r, "the image has no name");
     void *grown =
         igi_grow(r->ctx, r->frames, &r->frame_capacity, r->frame_count + 1, sizeof *r->frames);
     if (!grown) return IGI_E_SYSTEM;
     r->frames = grown;
     igi_frame *frame = &r->frames[r->frame_count++];
-    *frame = (igi_frame){.camera = r->cameras[k].camera};
+    *frame = (igi_frame){.camera = found->camera};
     IGI_TRY(set_pose(r, &frame->camera, pose, pose + 4));
     IGI_TRY(igi_path_stem(r->ctx, name, &frame->name));
     return find_image(r, name, &frame->path);
@@ -347,11 +359,13 @@ static igi_status read_model(colmap_reader *r)
     if (is_binary) {
         IGI_TRY(open_part(r, "cameras.bin"));
         IGI_TRY(read_binary(r, read_binary_camera));
+        sort_cameras(r);
         IGI_TRY(open_part(r, "images.bin"));
         IGI_TRY(read_binary(r, read_binary_image));
     } else if (is_text) {
         IGI_TRY(open_part(r, "cameras.txt"));
         IGI_TRY(read_text(r, read_text_camera));
+        sort_cameras(r);
         IGI_TRY(open_part(r, "images.txt"));
         IGI_TRY(read_text(r, read_text_image));
     } else {

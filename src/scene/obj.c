@@ -151,15 +151,19 @@ static igi_status read_material(obj_reader *r)
     const char *name = r->at, *stop = name;
     while (stop < r->end && *stop != '\n') stop++;
     while (stop > name && (stop[-1] == ' ' || stop[-1] == '\t' || stop[-1] == '\r')) stop--;
-    if (stop == name) return fail(r, "\"usemtl\" without a name; give the material one");
+    if (stop == name) { /* as some exporters write where there is no material */
+        name = "default";
+        stop = name + strlen(name);
+    } else {
+        r->at = stop;
+    }
     r->has_region = true;
-    r->at = stop;
     return igi_mesh_builder_region(r->mesh, name, (size_t)(stop - name), r->line, &r->region);
 }
 
 static bool starts(const obj_reader *r, const char *word, size_t length)
 {
-    return strncmp(r->at, word, length) == 0 && (r->at[length] == ' ' || r->at[length] == '\t');
+    return strncmp(r->at, word, length) == 0 && strchr(" \t\r\n\\", r->at[length]);
 }
 
 static igi_status read_statement(obj_reader *r)

@@ -13,6 +13,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format, ...)
@@ -101,29 +102,47 @@ static igi_status check_presence(igi_context *ctx, const igi_scene *scene, const
                     cameras, missing, scene->frame_count, names, missing > 3 ? ", ..." : "");
 }
 
-/* An alpha channel is no band. */
-static int bands_of(int channels)
-{
-    return channels == 2 ? 1 : channels == 4 ? 3 : channels;
-}
-
 static igi_status check_image(igi_context *ctx, igi_scene *scene, size_t number)
 {
     const igi_frame *frame = &scene->frames[number];
-    int width, height, channels;
-    IGI_TRY(igi_image_probe_exr(ctx, frame->path, &width, &height, &channels));
+    int width, height, channels, bands;
+    IGI_TRY(igi_image_probe_exr(ctx, frame->path, &width, &height, &channels, &bands));
     if (width != frame->camera.width || height != frame->camera.height)
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: is %dx%d pixels, but its camera %dx%d; give w and h (and fl_x, cx ...) "
                         "of the image",
                         frame->path, width, height, frame->camera.width, frame->camera.height);
-    int bands = bands_of(channels);
+    if (bands < 1 || bands > IGI_MAX_BANDS)
+        return igi_fail(ctx, IGI_E_DATA, "%s: has %d bands; export 1 to %d of them", frame->path,
+                        bands, IGI_MAX_BANDS);
     if (number == 0) scene->bands = bands;
     if (bands != scene->bands)
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: has %d bands, but %s has %d; all images must have the same",
                         frame->path, bands, scene->frames[0].path, scene->bands);
     return IGI_OK;
+}
+
+static int by_path(const void *a, const void *b)
+{
+    const igi_frame *const *x = a, *const *y = b;
+    return strcmp((*x)->path, (*y)->path);
+}
+
+/* A photograph counts once: its noise is not another's. */
+static igi_status check_doubles(igi_context *ctx, const igi_scene *scene, const char *cameras)
+{
+    const igi_frame **order;
+    igi_status status = IGI_OK;
+    IGI_TRY(IGI_ALLOC(ctx, scene->frame_count, &order));
+    for (size_t i = 0; i < scene->frame_count; i++) order[i] = &scene->frames[i];
+    qsort(order, scene->frame_count, sizeof *order, by_path);
+    for (size_t i = 1; i < scene->frame_count && status == IGI_OK; i++)
+        if (strcmp(order[i - 1]->path, order[i]->path) == 0)
+            status = igi_fail(ctx, IGI_E_DATA, "%s: two frames name %s; remove one", cameras,
+                              order[i]->path);
+    igi_free(order);
+    return status;
 }
 
 static igi_status read_cameras(igi_context *ctx, const igi_json *root, igi_scene *scene)
@@ -134,6 +153,7 @@ static igi_status read_cameras(igi_context *ctx, const igi_json *root, igi_scene
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(igi_frames_load(ctx, path, &scene->frames, &scene->frame_count));
     IGI_TRY_GOTO(check_presence(ctx, scene, path));
+    IGI_TRY_GOTO(check_doubles(ctx, scene, path));
     for (size_t i = 0; i < scene->frame_count; i++) IGI_TRY_GOTO(check_image(ctx, scene, i));
 cleanup:
     igi_free(path);

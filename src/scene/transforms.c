@@ -65,8 +65,8 @@ static igi_status make_camera(igi_context *ctx, const igi_json *frame, const cha
         c->width = (int)n->w;
         c->height = (int)n->h;
     } else {
-        int channels;
-        if (igi_image_probe_exr(ctx, path, &c->width, &c->height, &channels) != IGI_OK)
+        int channels, bands;
+        if (igi_image_probe_exr(ctx, path, &c->width, &c->height, &channels, &bands) != IGI_OK)
             return igi_json_fail(ctx, frame, "no \"w\" and \"h\", and %s does not tell them; give "
                                              "them", path);
     }

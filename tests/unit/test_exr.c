@@ -41,10 +41,11 @@ static void round_trip_at(int width, int height, int channels, igi_exr_depth dep
 {
     igi_context *ctx = test_context(1);
     igi_image *image = make_image(ctx, width, height, channels), *back = NULL;
-    int w = 0, h = 0, c = 0, names_alike = 0;
+    int w = 0, h = 0, c = 0, bands = 0, names_alike = 0;
     CHECK_OK(ctx, igi_image_save_exr(ctx, image, depth, SCRATCH));
-    CHECK_OK(ctx, igi_image_probe_exr(ctx, SCRATCH, &w, &h, &c));
+    CHECK_OK(ctx, igi_image_probe_exr(ctx, SCRATCH, &w, &h, &c, &bands));
     CHECK(w == width && h == height && c == channels);
+    CHECK(bands == (channels == 4 ? 3 : channels)); /* the fourth is A */
     CHECK_OK(ctx, igi_image_load_exr(ctx, SCRATCH, &back));
     if (back && back->width == width && back->height == height && back->channels == channels) {
         double worst = 0;
