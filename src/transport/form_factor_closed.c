@@ -185,13 +185,15 @@ static void find_normal(polygon *p)
 static void cut_by(polygon *p, const polygon *other, double slack)
 {
     double scale = 1 / length(other->normal), height[IGI_MAX_POLYGON + 1];
-    bool below = false;
+    bool below = false, above = false;
     for (size_t k = 0; k < p->count; k++) {
         height[k] = dot(sub(p->corner[k], other->corner[0]), other->normal) * scale;
         if (fabs(height[k]) <= slack) height[k] = 0;
         below = below || height[k] < 0;
+        above = above || height[k] > 0;
     }
-    if (!below) return;
+    if (!above) p->count = 0;
+    if (!below || !above) return;
     polygon kept = {.count = 0};
     for (size_t k = 0; k < p->count && kept.count <= IGI_MAX_POLYGON; k++) {
         size_t next = (k + 1) % p->count;

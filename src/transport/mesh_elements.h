@@ -13,34 +13,35 @@
 
 typedef struct igi_facet {
     double corner[3][3]; /* metres, in the order of the mesh's triangle */
-    double area;
+    double normal[3];    /* unit, of the front */
+    double area_so_far;  /* of the element's facets up to and with this one */
     uint32_t triangle;
-    uint32_t element[2]; /* of the front and of the back; where only one side is an element, that */
+    uint32_t element[2]; /* of the front and of the back; twice the same where one side is none */
 } igi_facet;
 
 typedef struct igi_element {
     uint32_t region;
     uint32_t first_facet, facet_count;
-    bool back;         /* this is the back (clockwise) side of its facets */
-    bool both;         /* the other side is an element too */
-    double area;       /* > 0 */
-    double centre[3];  /* of area */
-    double normal[3];  /* unit; mean over the facets, on the element's own side */
+    bool back;        /* the back (clockwise) side of its facets */
+    double area;      /* > 0 */
+    double centre[3]; /* of its area */
+    double normal[3]; /* unit; mean over the facets, on the element's own side */
 } igi_element;
 
 typedef struct igi_elements {
     size_t count;
     igi_element *elements;
     size_t facet_count;
-    igi_facet *facets;         /* those of an element stand together */
+    igi_facet *facets; /* those of an element stand together, as do those of a split triangle */
     size_t triangle_count;
-    uint32_t *first_of_triangle; /* [triangle_count] facet, or index into lattice; see .c */
-    uint16_t *divisions;       /* [triangle_count] lattice cells along an edge; 0: no area */
+    uint32_t *first_facet; /* [triangle_count] */
+    uint16_t *divisions;   /* [triangle_count] facets along an edge; 0: no area, no facet */
 } igi_elements;
 
 /* size_m: side of an element, metres; it is enlarged until there are at most max_count elements
  * (all sides counted). both_sides: the back sides are elements too, numbered after the front ones.
- * Triangles without area belong to no element. IGI_E_DATA when nothing has area. */
+ * Triangles without area belong to no element. IGI_E_DATA when nothing has area, or when there are
+ * too many elements at any size. */
 IGI_MUST_USE igi_status igi_elements_create(igi_context *ctx, const igi_mesh *mesh, double size_m,
                                             size_t max_count, bool both_sides,
                                             igi_elements **elements);
@@ -53,12 +54,17 @@ uint32_t igi_elements_at(const igi_elements *elements, uint32_t triangle, float 
 
 /* Drops the elements for which keep[] is false; the others are renumbered in order. Facets of which
  * no side is kept stay as obstacles (element IGI_NO_ELEMENT). */
-void igi_elements_keep(igi_elements *elements, const bool *keep);
+IGI_MUST_USE igi_status igi_elements_keep(igi_context *ctx, igi_elements *elements,
+                                          const bool *keep);
 
-/* A point of element e from three numbers in [0,1): the first chooses the facet by area. It keeps
- * `margin` metres away from the facet's edges where there is room. *normal: the facet's, on the
- * element's side. */
-void igi_elements_point(const igi_elements *elements, uint32_t e, double choice, double u, double v,
-                        double margin, double point[3], double normal[3]);
+/* The facet of element e that `choice` in [0,1) falls on, by area. */
+const igi_facet *igi_elements_facet(const igi_elements *elements, uint32_t e, double choice);
+
+/* The point of a facet that (u,v) in the unit square falls on, uniform in area. It keeps `margin`
+ * metres away from the edges where there is room: rays from there stay inside a closed room. */
+void igi_facet_point(const igi_facet *facet, double u, double v, double margin, double point[3]);
+
+/* Area of one facet. */
+double igi_facet_area(const igi_facet *facet);
 
 #endif
