@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Inside the renderer: surfaces, sample points and one path.
+ */
+#ifndef IGI_SRC_RENDER_PATH_H
+#define IGI_SRC_RENDER_PATH_H
+
+#include "base/rng.h"
+#include "light/light.h"
+#include "render/render.h"
+
+/* A material as paths need it. */
+typedef struct finish {
+    bool absorbs; /* an emitter reflects nothing */
+    igi_model model;
+    float alpha;
+    float albedo[IGI_MAX_BANDS], specular[IGI_MAX_BANDS];
+    float specular_mean;
+    const igi_image *map; /* NULL: albedo holds */
+    bool repeat;
+} finish;
+
+struct igi_renderer {
+    const igi_scene *scene;
+    int bands;
+    finish *finishes; /* [region_count] */
+    igi_tracer *tracer;
+    const igi_light *lights;
+    igi_lighting *lighting;
+};
+
+/* A point of a surface with its reflectance, seen along `out`. */
+typedef struct surface {
+    igi_vec point, normal, t, b; /* normal on the side of out */
+    igi_vec out;                 /* in the local frame */
+    const finish *finish;
+    float albedo[IGI_MAX_BANDS];
+    float lobe_share; /* how often the lobe is sampled rather than the diffuse part */
+} surface;
+
+void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec origin, igi_vec direction,
+                surface *s);
+/* BRDF times cosine per band for a direction of the world, and its density; false: all zero. */
+bool surface_value(const surface *s, int bands, igi_vec direction, float *value, float *pdf);
+igi_vec surface_sample(const surface *s, float choice, float u, float v);
+
+/* Sample points, stratified over `batch` (1, 4 or 16) samples of a pixel. */
+typedef struct sampler {
+    uint64_t key;   /* of the batch */
+    uint32_t index; /* within the batch */
+    uint32_t mask;  /* batch - 1 */
+    uint32_t dimension;
+} sampler;
+
+void sampler_next(sampler *s, float *u, float *v);
+
+/* Adds the radiance that arrives along the ray to radiance[bands]; returns the rays it took. */
+uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, int max_depth,
+                    sampler *s, float *radiance);
+
+#endif

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Pictures: tiles of pixels as tasks, paths in batches, the mean and its variance.
+ */
+#include "base/parallel.h"
+#include "render/path.h"
+#include "scene/camera.h"
+
+#include <string.h>
+
+#define TILE 16
+
+void igi_render_options_init(igi_render_options *options)
+{
+    *options = (igi_render_options){.struct_size = sizeof *options, .samples = 64, .max_depth = 64};
+}
+
+static const igi_material *material_of(const igi_materials *materials, const igi_scene *scene,
+                                       size_t region)
+{
+    const char *name = scene->regions[region].name;
+    for (size_t k = 0; k < materials->count; k++) { /* usually the first that is tried */
+        const igi_material *m = &materials->materials[(region + k) % materials->count];
+        if (m->region && strcmp(m->region, name) == 0) return m;
+    }
+    return NULL;
+}
+
+static igi_status prepare(igi_context *ctx, const igi_renderer *r, const igi_materials *materials,
+                          size_t region, finish *f)
+{
+    const igi_region *where = &r->scene->regions[region];
+    const igi_material *m = material_of(materials, r->scene, region);
+    f->absorbs = where->emitter;
+    if (f->absorbs) return IGI_OK;
+    if (!m)
+        return igi_fail(ctx, IGI_E_DATA, "materials: there is none for the region '%s'",
+                        where->name);
+    if (m->map && m->map->channels < r->bands)
+        return igi_fail(ctx, IGI_E_DATA, "materials: the map of '%s' has %d bands, the scene %d",
+                        where->name, m->map->channels, r->bands);
+    f->model = m->model;
+    f->alpha = (float)m->alpha;
+    f->map = where->has_uvs ? m->map : NULL;
+    f->repeat = where->uvs_wrap;
+    for (int b = 0; b < r->bands; b++) {
+        f->albedo[b] = (float)m->albedo[b];
+        f->specular[b] = (float)(m->specular_is_rgb ? m->specular_rgb[b] : m->specular);
+        f->specular_mean += f->specular[b] / (float)r->bands;
+    }
+    return IGI_OK;
+}
+
+igi_status igi_renderer_create(igi_context *ctx, const igi_scene *scene,
+                               const igi_materials *materials, const igi_light *lights,
+                               size_t light_count, igi_renderer **renderer)
+{
+    igi_status status = IGI_OK;
+    IGI_TRY(IGI_ALLOC(ctx, 1, renderer));
+    igi_renderer *r = *renderer;
+    r->scene = scene;
+    r->bands = scene->bands;
+    r->lights = lights;
+    if (materials->bands != scene->bands)
+        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "materials: have %d bands, the scene has %d",
+                              materials->bands, scene->bands));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &r->finishes));
+    IGI_TRY_GOTO(igi_lighting_create(ctx, scene, lights, light_count, &r->lighting));
+    for (size_t i = 0; i < scene->region_count; i++)
+        IGI_TRY_GOTO(prepare(ctx, r, materials, i, &r->finishes[i]));
+    IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &r->tracer));
+cleanup:
+    if (status != IGI_OK) {
+        igi_renderer_destroy(r);
+        *renderer = NULL;
+    }
+    return status;
+}
+
+void igi_renderer_destroy(igi_renderer *renderer)
+{
+    if (!renderer) return;
+    igi_tracer_destroy(renderer->tracer);
+    igi_lighting_destroy(renderer->lighting);
+    igi_free(renderer->finishes);
+    igi_free(renderer);
+}
+
+typedef struct job {
+    const igi_renderer *renderer;
+    const igi_camera *cameras;
+    igi_render_options options;
+    int batch, batches; /* paths in each, and of them */
+    uint64_t key;
+    igi_image **pictures, **variances;
+    size_t *first_tile; /* [count + 1] */
+    size_t count;
+} job;
+
+/* Mean of a pixel's batches, and the variance of that mean. */
+static uint64_t render_pixel(const job *j, size_t frame, int x, int y, float *mean,
+                             float *variance)
+{
+    const igi_camera *camera = &j->cameras[frame];
+    int bands = j->renderer->bands;
+    double sum[IGI_MAX_BANDS] = {0}, squares[IGI_MAX_BANDS] = {0};
+    uint64_t rays = 0, pixel = (uint64_t)y * (uint64_t)camera->width + (uint64_t)x;
+    uint64_t stream = igi_hash64(igi_hash64(j->key ^ frame) ^ pixel);
+    igi_vec centre = igi_camera_centre(camera);
+    for (int k = 0; k < j->batches; k++) {
+        float batch[IGI_MAX_BANDS] = {0};
+        for (int i = 0; i < j->batch; i++) {
+            sampler points = {igi_hash64(stream ^ (uint64_t)k), (uint32_t)i,
+                              (uint32_t)j->batch - 1, 0};
+            float u, v;
+            sampler_next(&points, &u, &v);
+            igi_vec d = igi_camera_direction(camera, x + (double)u, y + (double)v);
+            rays += trace_path(j->renderer, centre, d, j->options.max_depth, &points, batch);
+        }
+        for (int b = 0; b < bands; b++) {
+            double value = (double)batch[b] / j->batch;
+            sum[b] += value;
+            squares[b] += value * value;
+        }
+    }
+    double n = j->batches;
+    for (int b = 0; b < bands; b++) {
+        mean[b] = (float)(sum[b] / n);
+        if (variance)
+            variance[b] = (float)(fmax(0.0, squares[b] / n - sum[b] / n * sum[b] / n) /
+                                  fmax(1.0, n - 1));
+    }
+    return rays;
+}
+
+static igi_status render_tile(igi_context *ctx, void *user, size_t index, int worker)
+{
+    (void)worker;
+    const job *j = user;
+    size_t frame = 0;
+    while (j->first_tile[frame + 1] <= index) frame++;
+    const igi_camera *camera = &j->cameras[frame];
+    int tile = (int)(index - j->first_tile[frame]), columns = (camera->width + TILE - 1) / TILE;
+    int x0 = tile % columns * TILE, y0 = tile / columns * TILE, bands = j->renderer->bands;
+    uint64_t rays = 0;
+    for (int y = y0; y < y0 + TILE && y < camera->height; y++)
+        for (int x = x0; x < x0 + TILE && x < camera->width; x++) {
+            size_t at = ((size_t)y * (size_t)camera->width + (size_t)x) * (size_t)bands;
+            rays += render_pixel(j, frame, x, y, j->pictures[frame]->samples + at,
+                                 j->variances ? j->variances[frame]->samples + at : NULL);
+        }
+    igi_count_rays(ctx, rays);
+    return IGI_OK;
+}
+
+igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer *renderer,
+                               const igi_camera *cameras, size_t count,
+                               const igi_render_options *options, uint64_t key,
+                               igi_image **pictures, igi_image **variances)
+{
+    igi_status status = IGI_OK;
+    job j = {.renderer = renderer, .cameras = cameras, .options = *options, .count = count,
+             .key = igi_hash64(igi_seed(ctx)) ^ key, .pictures = pictures,
+             .variances = variances};
+    if (options->struct_size != sizeof *options || options->samples < 1 || options->max_depth < 1)
+        return igi_fail(ctx, IGI_E_USAGE, "render: samples and max_depth must be at least 1");
+    /* At least four batches, or there is no variance to speak of. */
+    j.batch = options->samples % 16 == 0 && options->samples >= 64 ? 16
+              : options->samples % 4 == 0 && options->samples >= 16 ? 4 : 1;
+    j.batches = options->samples / j.batch;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, count + 1, &j.first_tile));
+    for (size_t i = 0; i < count; i++) {
+        size_t columns = (size_t)(cameras[i].width + TILE - 1) / TILE;
+        size_t rows = (size_t)(cameras[i].height + TILE - 1) / TILE;
+        j.first_tile[i + 1] = j.first_tile[i] + columns * rows;
+    }
+    IGI_TRY_GOTO(igi_parallel_for(ctx, j.first_tile[count], render_tile, &j));
+cleanup:
+    igi_free(j.first_tile);
+    return status;
+}
+
+igi_status igi_render(igi_context *ctx, const igi_scene *scene, const igi_materials *materials,
+                      const igi_light *lights, size_t light_count, const igi_camera *camera,
+                      const igi_render_options *options, igi_image **picture,
+                      igi_image **variance)
+{
+    igi_status status = IGI_OK;
+    igi_renderer *renderer = NULL;
+    igi_render_options defaults;
+    igi_render_options_init(&defaults);
+    *picture = NULL;
+    if (variance) *variance = NULL;
+    IGI_TRY_GOTO(igi_renderer_create(ctx, scene, materials, lights, light_count, &renderer));
+    IGI_TRY_GOTO(igi_image_create(ctx, camera->width, camera->height, scene->bands, picture));
+    if (variance)
+        IGI_TRY_GOTO(igi_image_create(ctx, camera->width, camera->height, scene->bands, variance));
+    IGI_TRY_GOTO(igi_renderer_frames(ctx, renderer, camera, 1, options ? options : &defaults, 0,
+                                     picture, variance));
+cleanup:
+    igi_renderer_destroy(renderer);
+    if (status != IGI_OK) {
+        igi_image_destroy(*picture);
+        *picture = NULL;
+        if (variance) {
+            igi_image_destroy(*variance);
+            *variance = NULL;
+        }
+    }
+    return status;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Many pictures of one lit scene: what igi_render and igi synth share.
+ */
+#ifndef IGI_SRC_RENDER_RENDER_H
+#define IGI_SRC_RENDER_RENDER_H
+
+#include "base/context.h"
+
+#include <igi/render.h>
+
+typedef struct igi_renderer igi_renderer;
+
+/* Scene, materials and lights must outlive it. Materials are found by the regions' names. */
+IGI_MUST_USE igi_status igi_renderer_create(igi_context *ctx, const igi_scene *scene,
+                                            const igi_materials *materials,
+                                            const igi_light *lights, size_t light_count,
+                                            igi_renderer **renderer);
+void igi_renderer_destroy(igi_renderer *renderer);
+
+/* Pictures [count] of the cameras, into images of their size and the scene's bands; variances
+ * [count], of each pixel's mean, may be NULL. Streams are keyed by the context's seed, `key`, frame,
+ * pixel and sample. */
+IGI_MUST_USE igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer *renderer,
+                                            const igi_camera *cameras, size_t count,
+                                            const igi_render_options *options, uint64_t key,
+                                            igi_image **pictures, igi_image **variances);
+
+#endif

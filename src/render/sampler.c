@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Padded (0,2)-nets: every pair of dimensions takes the first 1, 4 or 16 points of Sobol's first
+ * two dimensions, in an order and with digits scrambled by a hash (Kollig and Keller 2002). Every
+ * batch is an independent, unbiased set, so that the spread of the batches is the picture's
+ * variance.
+ */
+#include "render/path.h"
+
+/* Sobol's second dimension in 1/16, where the first is the index with its bits reversed. */
+static const uint32_t first[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
+static const uint32_t second[16] = {0, 8, 12, 4, 10, 2, 6, 14, 15, 7, 3, 11, 5, 13, 9, 1};
+
+void sampler_next(sampler *s, float *u, float *v)
+{
+    uint64_t h = igi_hash64(s->key + s->dimension++);
+    uint32_t i = (s->index ^ (uint32_t)(h & 15)) & s->mask;
+    *u = igi_u32_to_float((first[i] << 28) ^ (uint32_t)(h >> 32));
+    *v = igi_u32_to_float((second[i] << 28) ^ (uint32_t)(h >> 4));
+}
