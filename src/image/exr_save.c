@@ -42,9 +42,22 @@ static exr_result_t write_header(exr_context_t file, const igi_image *image, igi
     return code == EXR_ERR_SUCCESS ? exr_write_header(file) : code;
 }
 
+/* A chunk that compresses to just its own size would be taken for an uncompressed one when read:
+ * store it uncompressed (OpenEXR issue 2306, until 3.4.7). */
+typedef exr_result_t (*compress_fn)(exr_encode_pipeline_t *pipeline);
+
+static exr_result_t compress_unmistakably(exr_encode_pipeline_t *pipeline)
+{
+    exr_result_t code = (*(const compress_fn *)pipeline->encoding_user_data)(pipeline);
+    if (code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes)
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+    return code;
+}
+
 static exr_result_t write_pixels(exr_context_t file, const igi_image *image)
 {
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+    compress_fn compress = NULL;
     int32_t lines = 1;
     size_t pixel = (size_t)image->channels, row = pixel * (size_t)image->width;
     exr_result_t code = exr_get_scanlines_per_chunk(file, 0, &lines);
@@ -64,8 +77,12 @@ static exr_result_t write_pixels(exr_context_t file, const igi_image *image)
             channel->user_bytes_per_element = sizeof(float);
             channel->user_data_type = EXR_PIXEL_FLOAT;
         }
-        if (code == EXR_ERR_SUCCESS && y == 0)
+        if (code == EXR_ERR_SUCCESS && y == 0) {
             code = exr_encoding_choose_default_routines(file, 0, &pipeline);
+            compress = pipeline.compress_fn;
+            pipeline.encoding_user_data = &compress;
+            pipeline.compress_fn = compress_unmistakably;
+        }
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(file, 0, &pipeline);
     }
     exr_encoding_destroy(file, &pipeline);
