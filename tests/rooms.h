@@ -48,8 +48,8 @@ static inline void room_triangle(room *r, uint32_t a, uint32_t b, uint32_t c, ui
 }
 
 /* A parallelogram, its front toward u x v, as n x n x 2 triangles. */
-static inline void room_quad(room *r, const double p[3], const double u[3], const double v[3], int n,
-                             uint32_t region)
+static inline void room_quad(room *r, const double p[3], const double u[3], const double v[3],
+                             int n, uint32_t region)
 {
     uint32_t first = (uint32_t)r->mesh.vertex_count, w = (uint32_t)n + 1;
     for (int j = 0; j <= n; j++)

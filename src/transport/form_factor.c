@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Whole matrices of form factors, by any of the three ways, and the rows by closed form and by rays.
+ * Whole matrices of form factors, by any of the three ways; rows by closed form and by rays.
  *
  * Rays: point and direction of ray k are the four coordinates of point k of Roberts' R sequence,
  * x_d = frac(s_d + k g^-d), g the root of g^5 = g + 1 (2018; a Kronecker sequence), shifted by s
@@ -16,7 +16,8 @@
 
 void igi_factor_options_init(igi_factor_options *options, igi_factor_way way)
 {
-    *options = (igi_factor_options){.way = way, .rays = 1024, .points = 4, .resolution = 64, .seed = 1};
+    *options =
+        (igi_factor_options){.way = way, .rays = 1024, .points = 4, .resolution = 64, .seed = 1};
 }
 
 void igi_form_factor_pattern(const double *shift, int k, int dimensions, double *x)
@@ -79,7 +80,8 @@ static double exchange(const igi_elements *elements, const igi_element *a, const
         for (size_t j = 0; j < b->facet_count; j++) {
             double q[3][3];
             corners_on_side(&elements->facets[b->first_facet + j], b->back, q);
-            sum += area * igi_form_factor_between((const double(*)[3])p, 3, (const double(*)[3])q, 3);
+            sum +=
+                area * igi_form_factor_between((const double(*)[3])p, 3, (const double(*)[3])q, 3);
         }
     }
     return sum;
@@ -138,8 +140,9 @@ cleanup:
     return status;
 }
 
-igi_status igi_form_factors(igi_context *ctx, const igi_elements *elements, const igi_tracer *tracer,
-                            const igi_factor_options *options, double *factors)
+igi_status igi_form_factors(igi_context *ctx, const igi_elements *elements,
+                            const igi_tracer *tracer, const igi_factor_options *options,
+                            double *factors)
 {
     job w = {.elements = elements, .tracer = tracer, .options = options, .factors = factors};
     for (size_t i = 0; i < elements->count * elements->count; i++) factors[i] = 0;

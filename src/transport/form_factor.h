@@ -13,8 +13,8 @@
 #include "transport/mesh_elements.h"
 
 /* From a differential element at `point` facing `normal` (unit) to a planar polygon, of which the
- * counter-clockwise side counts; the part below the horizon does not. Lambert's formula. The polygon
- * must be convex where the horizon cuts it. */
+ * counter-clockwise side counts; the part below the horizon does not. Lambert's formula. The
+ * polygon must be convex where the horizon cuts it. */
 double igi_form_factor_from_point(const double point[3], const double normal[3],
                                   const double (*polygon)[3], size_t count);
 
@@ -25,7 +25,11 @@ double igi_form_factor_from_point(const double point[3], const double normal[3],
 double igi_form_factor_between(const double (*from)[3], size_t from_count, const double (*to)[3],
                                size_t to_count);
 
-typedef enum igi_factor_way { IGI_FACTOR_CLOSED, IGI_FACTOR_RAYS, IGI_FACTOR_HEMICUBE } igi_factor_way;
+typedef enum igi_factor_way {
+    IGI_FACTOR_CLOSED,
+    IGI_FACTOR_RAYS,
+    IGI_FACTOR_HEMICUBE
+} igi_factor_way;
 
 typedef struct igi_factor_options {
     igi_factor_way way;

@@ -2,14 +2,15 @@
  *
  * Form factors in closed form.
  *
- * From a point (Lambert 1760):  F = 1/(2 pi) sum_k  G_k . n,   G_k along a_k x a_k+1, as long as the
- * angle between a_k and a_k+1, the directions to the polygon's corners.
+ * From a point (Lambert 1760):  F = 1/(2 pi) sum_k  G_k . n,   G_k along a_k x a_k+1, as long as
+ * the angle between a_k and a_k+1, the directions to the polygon's corners.
  *
  * Between polygons, by Stokes' theorem twice:  A_1 F_12 = 1/(2 pi) oint_1 oint_2 ln r  dx_1 . dx_2.
  * The inner integral along an edge is elementary. The outer one has an integrand like x ln x where
  * the edges come close to each other: at the outer edge's ends, where a corner of the other polygon
- * stands beside it, and where the two lines pass each other. It is cut there, and each part is integrated by Gauss-Legendre after
- * x = t^3 (10 - 15 t + 6 t^2), which flattens both ends; the plain rule does for edges far apart.
+ * stands beside it, and where the two lines pass each other. It is cut there, and each part is
+ * integrated by Gauss-Legendre after x = t^3 (10 - 15 t + 6 t^2), which flattens both ends; the
+ * plain rule does for edges far apart.
  * Lengths are measured in units of the distance between the polygons: the sum over closed contours
  * does not change, and much less cancels.
  */
@@ -66,8 +67,10 @@ double igi_form_factor_from_point(const double point[3], const double normal[3],
         if (ha <= 0 && hb <= 0) continue;
         if (ha < 0 || hb < 0) {
             d3 on = madd(a, sub(b, a), ha / (ha - hb));
-            if (ha < 0) a = enter = on;
-            else b = leave = on;
+            if (ha < 0)
+                a = enter = on;
+            else
+                b = leave = on;
         } else if (ha == 0) {
             enter = a;
         } else if (hb == 0) {
@@ -75,7 +78,7 @@ double igi_form_factor_from_point(const double point[3], const double normal[3],
         }
         sum += edge_term(a, b, n);
     }
-    sum += edge_term(leave, enter, n); /* along the horizon; 0 if it was not reached */
+    sum += edge_term(leave, enter, n);   /* along the horizon; 0 if it was not reached */
     return fmax(0, -sum / (2 * IGI_PI)); /* a front is seen clockwise from behind its polygon */
 }
 
@@ -181,7 +184,7 @@ static void find_normal(polygon *p)
     }
 }
 
-/* What of `p` lies in front of the plane of `other`; `slack`: how near the plane counts as in it. */
+/* What of `p` lies in front of the plane of `other`; within `slack` of it counts as in it. */
 static void cut_by(polygon *p, const polygon *other, double slack)
 {
     double scale = 1 / length(other->normal), height[IGI_MAX_POLYGON + 1];
@@ -225,7 +228,8 @@ static segment edge_of(const polygon *p, size_t k, double unit)
 {
     segment s = {p->corner[k], sub(p->corner[(k + 1) % p->count], p->corner[k]), 0};
     s.length = length(s.along);
-    if (s.length > 0) s.along = (d3){s.along.x / s.length, s.along.y / s.length, s.along.z / s.length};
+    if (s.length > 0)
+        s.along = (d3){s.along.x / s.length, s.along.y / s.length, s.along.z / s.length};
     s.length /= unit;
     s.from = (d3){s.from.x / unit, s.from.y / unit, s.from.z / unit};
     return s;

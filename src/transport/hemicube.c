@@ -6,8 +6,8 @@
  * (Cohen & Greenberg 1985, eq. 12-13), scaled so that all sum to 1. Facets are clipped to a face's
  * pyramid and drawn row by row; the inverse of the distance forward is linear on the picture and
  * decides what is in front. The error is that of counting pixel centres along outlines: between
- * res^-1 (outlines along pixel rows) and res^-1.5 (all directions), which is why each cube is turned
- * at random about its normal.
+ * res^-1 (outlines along pixel rows) and res^-1.5 (all directions), which is why each cube is
+ * turned at random about its normal.
  */
 #include "transport/hemicube.h"
 
@@ -33,8 +33,8 @@ igi_status igi_hemicube_create(igi_context *ctx, int resolution, igi_hemicube **
     igi_hemicube *h = NULL;
     *hemicube = NULL;
     if (resolution < 2 || resolution > 4096 || resolution % 2)
-        return igi_fail(ctx, IGI_E_USAGE, "hemicube: resolution %d; give an even one from 2 to 4096",
-                        resolution);
+        return igi_fail(ctx, IGI_E_USAGE,
+                        "hemicube: resolution %d; give an even one from 2 to 4096", resolution);
     size_t res = (size_t)resolution;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &h));
     h->resolution = resolution;
@@ -172,8 +172,8 @@ static void fill(drawing *d)
     }
 }
 
-/* The facet, with corners and normal in the cube's frame, on one face. axes: right, up, forward, each
- * as (which coordinate, sign). */
+/* The facet, with corners and normal in the cube's frame, on one face. axis, sign: which coordinate
+ * of that frame is right, up and forward on the face. */
 static void draw(const igi_hemicube *h, igi_hemicube_buffer *buffer, int face, double (*corner)[3],
                  const double plane[3], uint32_t element)
 {
@@ -204,8 +204,7 @@ static void draw(const igi_hemicube *h, igi_hemicube_buffer *buffer, int face, d
 
 static void to_frame(const double v[3], double (*axes)[3], double out[3])
 {
-    for (int k = 0; k < 3; k++)
-        out[k] = v[0] * axes[k][0] + v[1] * axes[k][1] + v[2] * axes[k][2];
+    for (int k = 0; k < 3; k++) out[k] = v[0] * axes[k][0] + v[1] * axes[k][1] + v[2] * axes[k][2];
 }
 
 static void make_frame(const double normal[3], double turn, double axes[3][3])
@@ -237,7 +236,7 @@ static void draw_facet(const igi_facet *facet, const igi_hemicube *h, igi_hemicu
     for (int k = 0; k < 3; k++) away += plane[k] * corner[0][k];
     if (away == 0) return;
     for (int k = 0; k < 3; k++) plane[k] /= away;
-    uint32_t element = facet->element[away > 0 ? 1 : 0]; /* the normal points away: it is the back */
+    uint32_t element = facet->element[away > 0 ? 1 : 0]; /* a normal that points away: the back */
     for (int face = 0; face < FACES; face++) draw(h, buffer, face, corner, plane, element);
 }
 
@@ -271,7 +270,9 @@ void igi_form_factor_row_by_hemicube(const igi_elements *elements, const igi_hem
         igi_form_factor_pattern(shift, k, 3, x);
         const igi_facet *facet = igi_elements_facet(elements, e, (k + shift[3]) / points);
         igi_facet_point(facet, x[0], x[1], 0, point);
-        for (int c = 0; c < 3; c++) normal[c] = element->back ? -facet->normal[c] : facet->normal[c];
-        igi_hemicube_add(elements, hemicube, buffer, point, normal, 2 * IGI_PI * x[2], 1.0 / points, row);
+        for (int c = 0; c < 3; c++)
+            normal[c] = element->back ? -facet->normal[c] : facet->normal[c];
+        igi_hemicube_add(elements, hemicube, buffer, point, normal, 2 * IGI_PI * x[2], 1.0 / points,
+                         row);
     }
 }

@@ -27,8 +27,8 @@ void igi_hemicube_add(const igi_elements *elements, const igi_hemicube *hemicube
                       igi_hemicube_buffer *buffer, const double point[3], const double normal[3],
                       double turn, double weight, double *row);
 
-/* A row from `points` points spread over element e, each cube turned at random; `key` is that of the
- * random pattern. `row` is zeroed [n]. */
+/* A row from `points` points spread over element e, each cube turned at random; `key` is that of
+ * the random pattern. `row` is zeroed [n]. */
 void igi_form_factor_row_by_hemicube(const igi_elements *elements, const igi_hemicube *hemicube,
                                      igi_hemicube_buffer *buffer, uint32_t e, int points,
                                      uint64_t key, double *row);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Splitting: a triangle much larger than an element becomes n^2 equal ones on its barycentric
- * lattice. Row j of the lattice (v from j/n to (j+1)/n) holds 2(n-j)-1 facets, so facet (i, j, upper)
- * has number 2nj - j^2 + 2i + upper: the facet at (u,v) is found without a search.
+ * lattice. Row j of the lattice (v from j/n to (j+1)/n) holds 2(n-j)-1 facets, so that facet
+ * (i, j, upper) has number 2nj - j^2 + 2i + upper: the one at (u,v) is found without a search.
  * Merging: small triangles are sorted by region, direction of their normal and cell of a grid; each
  * group is one element. Neither needs the triangles to share vertices, or to be watertight.
  */
@@ -145,7 +145,8 @@ static igi_status plan_within(igi_context *ctx, maker *m, double size, size_t li
         if (size > 4 * m->extent)
             return igi_fail(ctx, IGI_E_DATA,
                             "mesh: it has more than %zu pieces of different region or direction; "
-                            "use the method 'patches'", limit);
+                            "use the method 'patches'",
+                            limit);
     }
 }
 
@@ -322,8 +323,10 @@ const igi_facet *igi_elements_facet(const igi_elements *elements, uint32_t e, do
     size_t low = 0, high = element->facet_count - 1;
     while (low < high) {
         size_t middle = (low + high) / 2;
-        if (facets[middle].area_so_far > wanted) high = middle;
-        else low = middle + 1;
+        if (facets[middle].area_so_far > wanted)
+            high = middle;
+        else
+            low = middle + 1;
     }
     return &facets[low];
 }

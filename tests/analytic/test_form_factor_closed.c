@@ -7,7 +7,8 @@
 #include "base/rng.h"
 #include "transport/form_factor.h"
 
-static const double floor_square[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}; /* faces up */
+static const double floor_square[4][3] = {
+    {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}; /* faces up */
 static const double ceiling_square[4][3] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}};
 static const double wall_square[4][3] = {{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}}; /* faces +x */
 
@@ -40,7 +41,8 @@ static void horizon_cuts(void)
 
 static void unit_squares(void)
 {
-    CHECK_NEAR(igi_form_factor_between(floor_square, 4, ceiling_square, 4), 0.199824895698387, 1e-12);
+    CHECK_NEAR(igi_form_factor_between(floor_square, 4, ceiling_square, 4), 0.199824895698387,
+               1e-12);
     CHECK_NEAR(igi_form_factor_between(floor_square, 4, wall_square, 4), 0.200043776075403, 1e-11);
     CHECK_NEAR(igi_form_factor_between(floor_square, 4, floor_square, 4), 0, 0);
     /* Back to back sees nothing. */
@@ -166,7 +168,8 @@ static void extremes(void)
 
 static void degenerate(void)
 {
-    double line[3][3] = {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}}, point[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    double line[3][3] = {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}},
+           point[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     double bad[3][3] = {{0, 0, 1}, {1, NAN, 1}, {2, 2, 1}};
     CHECK_NEAR(igi_form_factor_between(floor_square, 4, (const double(*)[3])line, 3), 0, 0);
     CHECK_NEAR(igi_form_factor_between((const double(*)[3])point, 3, floor_square, 4), 0, 0);

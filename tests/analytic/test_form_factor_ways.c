@@ -109,8 +109,9 @@ static void agree_in_a_cube(void)
     CHECK(difference(&s, few, closed) > 1.8 * difference(&s, hemicube, closed));
     CHECK_NEAR(asymmetry(&s, rays), 0, 0.03);
     CHECK_NEAR(asymmetry(&s, hemicube), 0, 0.12);
-    printf("   rays %.4f hemicube %.4f of closed; asymmetry %.4f %.4f\n", difference(&s, rays, closed),
-           difference(&s, hemicube, closed), asymmetry(&s, rays), asymmetry(&s, hemicube));
+    printf("   rays %.4f hemicube %.4f of closed; asymmetry %.4f %.4f\n",
+           difference(&s, rays, closed), difference(&s, hemicube, closed), asymmetry(&s, rays),
+           asymmetry(&s, hemicube));
     free(closed);
     free(rays);
     free(hemicube);
@@ -196,7 +197,8 @@ static void hemicube_converges(void)
         x[k] = log(resolution);
         for (int tilted = 0; tilted < 2; tilted++)
             y[tilted][k] = log(hemicube_error(&s, resolution, tilted));
-        printf("   resolution %4d: upright %.6f tilted %.6f\n", resolution, exp(y[0][k]), exp(y[1][k]));
+        printf("   resolution %4d: upright %.6f tilted %.6f\n", resolution, exp(y[0][k]),
+               exp(y[1][k]));
     }
     printf("   order: upright %.3f tilted %.3f\n", slope(x, y[0], 5), slope(x, y[1], 5));
     CHECK_NEAR(slope(x, y[0], 5), -1.1, 0.2);
@@ -239,9 +241,11 @@ static void sphere_inside(void)
         setting s = begin(r, 2, false, 2);
         size_t count = s.elements->count;
         CHECK(count == 8 * (size_t)(n * n));
-        double *closed = factors(&s, IGI_FACTOR_CLOSED, 0, 1), *want = malloc(count * count * sizeof *want);
+        double *closed = factors(&s, IGI_FACTOR_CLOSED, 0, 1),
+               *want = malloc(count * count * sizeof *want);
         for (size_t i = 0; i < count * count; i++)
-            want[i] = i % count == i / count ? 0 : s.elements->elements[i % count].area / (4 * IGI_PI);
+            want[i] =
+                i % count == i / count ? 0 : s.elements->elements[i % count].area / (4 * IGI_PI);
         double error = difference(&s, closed, want);
         printf("   %4zu facets: %.4f\n", count, error);
         CHECK(error < last / 1.8);
@@ -258,7 +262,8 @@ static void same_for_any_threads(void)
 {
     for (int way = IGI_FACTOR_CLOSED; way <= IGI_FACTOR_HEMICUBE; way++) {
         setting one = begin(cube(1, 1), .6, false, 1), three = begin(cube(1, 1), .6, false, 3);
-        double *a = factors(&one, (igi_factor_way)way, 64, 5), *b = factors(&three, (igi_factor_way)way, 64, 5);
+        double *a = factors(&one, (igi_factor_way)way, 64, 5),
+               *b = factors(&three, (igi_factor_way)way, 64, 5);
         size_t n = one.elements->count;
         CHECK(memcmp(a, b, n * n * sizeof *a) == 0);
         free(a);
@@ -303,6 +308,6 @@ static void open_and_wrong(void)
 }
 
 TEST_MAIN({"agree_in_a_cube", agree_in_a_cube}, {"rays_converge", rays_converge},
-          {"hemicube_converges", hemicube_converges}, {"agree_behind_a_sheet", agree_behind_a_sheet},
-          {"sphere_inside", sphere_inside}, {"same_for_any_threads", same_for_any_threads},
-          {"open_and_wrong", open_and_wrong})
+          {"hemicube_converges", hemicube_converges},
+          {"agree_behind_a_sheet", agree_behind_a_sheet}, {"sphere_inside", sphere_inside},
+          {"same_for_any_threads", same_for_any_threads}, {"open_and_wrong", open_and_wrong})

@@ -40,7 +40,8 @@ static void splits_large_triangles(void)
         CHECK(f->triangle == t);
         double sum = 0; /* the three triangles about the point make up the facet */
         for (int c = 0; c < 3; c++) {
-            igi_vec a = igi_sub(igi_v_ofd(f->corner[c]), p), b = igi_sub(igi_v_ofd(f->corner[(c + 1) % 3]), p);
+            igi_vec a = igi_sub(igi_v_ofd(f->corner[c]), p),
+                    b = igi_sub(igi_v_ofd(f->corner[(c + 1) % 3]), p);
             sum += 0.5 * (double)igi_length(igi_cross(a, b));
         }
         CHECK_NEAR(sum, e->elements[i].area, 1e-5);
@@ -102,7 +103,8 @@ static void has_two_sides(void)
     room_cube(r, 1, 1);
     igi_elements *e = make(ctx, r, 2, true);
     CHECK(e->count == 12);
-    uint32_t front = igi_elements_at(e, 0, .1f, .1f, false), back = igi_elements_at(e, 0, .1f, .1f, true);
+    uint32_t front = igi_elements_at(e, 0, .1f, .1f, false),
+             back = igi_elements_at(e, 0, .1f, .1f, true);
     CHECK(back == front + 6 && e->elements[back].back);
     CHECK_NEAR(e->elements[back].normal[2], -1, 1e-12);
     /* Of the floor only the back stays, of the ceiling nothing. */
