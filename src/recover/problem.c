@@ -173,6 +173,8 @@ igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem, igi_
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->albedo_std));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->determined));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * problem->patches->count * (size_t)problem->bands, &d->radiance));
+    memcpy(d->radiance, problem->seen,
+           2 * problem->patches->count * (size_t)problem->bands * sizeof(float));
     *diffuse = d;
     d = NULL;
 cleanup:
@@ -187,5 +189,6 @@ void igi_diffuse_destroy(igi_diffuse *diffuse)
     igi_free(diffuse->albedo_std);
     igi_free(diffuse->determined);
     igi_free(diffuse->radiance);
+    igi_rows_destroy(diffuse->rows);
     igi_free(diffuse);
 }

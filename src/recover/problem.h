@@ -48,9 +48,10 @@ typedef struct igi_diffuse {
     double (*albedo)[IGI_MAX_BANDS];     /* [regions] */
     double (*albedo_std)[IGI_MAX_BANDS]; /* [regions] one standard deviation */
     bool *determined;                    /* [regions] */
-    float *radiance; /* [2 patches][bands] radiance that leaves each side, as the method has it:
-                        what irradiance is gathered from afterwards */
-    bool indirect;   /* false: the method knows no light but the lamps' */
+    float *radiance; /* [2 patches][bands] radiance that leaves each side: what was seen, and what the
+                        method solved for; irradiance is gathered from it afterwards */
+    igi_rows *rows;  /* the rows that the method gathered with, or NULL: owned */
+    bool ignores_indirect; /* the method knows no light but the lamps' */
 } igi_diffuse;
 
 IGI_MUST_USE igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem,

@@ -6,6 +6,8 @@
  */
 #include "recover/region_sums.h"
 
+#include <string.h>
+
 /* Side of a cluster in patches. */
 #define CLUSTER_PATCHES 6
 /* What is said of a region that nothing determines: anything in 0..1 may be true. */
@@ -16,6 +18,36 @@ struct igi_region_sums {
     double (*reflected)[IGI_MAX_BANDS]; /* [regions] pi sum w L */
     double (*received)[IGI_MAX_BANDS];  /* [regions] sum w E */
 };
+
+igi_status igi_places_create(igi_context *ctx, const igi_problem *problem, const igi_rows *rows,
+                             const float *irradiance, igi_places *places)
+{
+    size_t n = rows->seen_count, bands = (size_t)problem->bands;
+    *places = (igi_places){.irradiance = irradiance, .point = rows->point};
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &places->region));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &places->weight));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &places->radiance));
+    for (size_t i = 0; i < n; i++) {
+        uint32_t side = rows->side[i];
+        places->region[i] = igi_patch_region(problem->patches, side >> 1);
+        if (igi_problem_seen_count(problem, side) == 0) continue;
+        places->weight[i] = problem->patches->area[side >> 1];
+        memcpy(places->radiance + i * bands, problem->seen + side * bands, bands * sizeof(float));
+    }
+    places->count = n;
+cleanup:
+    if (status != IGI_OK) igi_places_clear(places);
+    return status;
+}
+
+void igi_places_clear(igi_places *places)
+{
+    igi_free(places->region);
+    igi_free(places->weight);
+    igi_free(places->radiance);
+    *places = (igi_places){0};
+}
 
 igi_status igi_region_sums_create(igi_context *ctx, const igi_problem *problem,
                                   igi_region_sums **sums)

@@ -7,16 +7,22 @@
 
 #include "recover/problem.h"
 
-/* n places with their region, weight (0: unseen), radiance[n][bands] that leaves them and
- * irradiance[n][bands] that reaches them; point[n][3] is where they lie, metres. */
+/* Seen sides with their region, weight (area, m^2), radiance[count][bands] that leaves them and
+ * irradiance[count][bands] that reaches them; point[count][3] is where they lie, metres. */
 typedef struct igi_places {
     size_t count;
-    const uint32_t *region;
-    const float *weight;
-    const float *radiance;
-    const float *irradiance;
-    const float *point;
+    uint32_t *region;
+    float *weight;
+    float *radiance;
+    const float *irradiance; /* the caller's */
+    const float *point;      /* the rows' */
 } igi_places;
+
+/* The places of the seen rows. */
+IGI_MUST_USE igi_status igi_places_create(igi_context *ctx, const igi_problem *problem,
+                                          const igi_rows *rows, const float *irradiance,
+                                          igi_places *places);
+void igi_places_clear(igi_places *places);
 
 typedef struct igi_region_sums igi_region_sums;
 

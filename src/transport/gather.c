@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Directions come from one two-dimensional low-discrepancy sequence that runs through all rows
- * (the additive recurrence of the plastic number; Roberts 2018): K points in a row are well spread,
- * and so are those of neighbouring rows together, so that sums over a region converge faster than
- * each row does. Measured on a Cornell box: see tests/analytic/test_gather.c.
+ * Directions come from one two-dimensional low-discrepancy sequence, the additive recurrence of the
+ * plastic number (Roberts 2018). It runs through a triangle's cells in Morton's order, so that the
+ * rays of a row are well spread, and so are those of neighbouring rows together: sums over a region
+ * converge faster than each row does (Ahmed & Wonka 2020 do so for pixels).
  */
 #include "transport/gather.h"
 
@@ -12,8 +12,6 @@
 #include <string.h>
 
 #define ROWS_A_TASK 128
-/* Shadow rays from each point to each light: two, so that each corrects the other's bias. */
-#define SHADOW_RAYS 2
 
 typedef struct job {
     const igi_scene *scene;
@@ -27,13 +25,28 @@ typedef struct job {
     size_t begin, end; /* rows of this round */
 } job;
 
-/* Point n of the sequence, in 64-bit fixed point so that it never loses digits. */
-static void sequence_point(uint64_t n, uint64_t shift, float *u, float *v)
+/* Point n of the additive recurrence of the plastic number (Roberts 2018), in fixed point. */
+static void sequence_point(uint32_t n, uint64_t shift, float *u, float *v)
 {
-    uint64_t x = n * 0xc13fa9a902a6328fu + shift; /* 2^64 / 1.32471795724474602596 */
-    uint64_t y = n * 0x91e10da5c79e7b1du + igi_hash64(shift); /* 2^64 / 1.3247...^2 */
+    uint64_t x = n * 0xc13fa9a902a6328fu + shift, y = n * 0x91e10da5c79e7b1du + igi_hash64(shift);
     *u = igi_u32_to_float((uint32_t)(x >> 32));
     *v = igi_u32_to_float((uint32_t)(y >> 32));
+}
+
+/* Cells of a lattice in Morton's order: neighbours in space are neighbours in the sequence. */
+static uint32_t spread_bits(uint32_t x)
+{
+    x = (x | x << 8) & 0x00ff00ff;
+    x = (x | x << 4) & 0x0f0f0f0f;
+    x = (x | x << 2) & 0x33333333;
+    return (x | x << 1) & 0x55555555;
+}
+
+static uint32_t sequence_start(const igi_patches *p, uint32_t side)
+{
+    const igi_triangle_lattice *l = &p->lattices[p->triangle[side >> 1]];
+    uint32_t cell = (side >> 1) - l->first;
+    return spread_bits(cell % l->nu) | spread_bits(cell / l->nu) << 1;
 }
 
 typedef struct place {
@@ -61,44 +74,66 @@ static place origin(const job *j, uint32_t side, int k, int of, igi_rng *rng)
     return (place){igi_triangle_point(j->patches->mesh, triangle, u, v), normal};
 }
 
-/* The side a ray meets, or IGI_NO_ROW. */
+/* The side a ray meets, or IGI_NO_SIDE. */
 static uint32_t met(const job *j, const igi_hit *hit)
 {
-    if (hit->triangle == IGI_NO_HIT) return IGI_NO_ROW;
+    if (hit->triangle == IGI_NO_HIT) return IGI_NO_SIDE;
     uint32_t region = j->scene->mesh.regions[hit->triangle];
-    if (j->scene->regions[region].emitter) return IGI_NO_ROW;
+    if (j->scene->regions[region].emitter) return IGI_NO_SIDE;
     return 2 * igi_patch_at(j->patches, hit->triangle, hit->u, hit->v) + (hit->back ? 1u : 0u);
 }
 
 static void gather_indirect(const job *j, size_t row, igi_rng *rng)
 {
     igi_rows *r = j->rows;
-    igi_vec sum = igi_v(0, 0, 0);
+    uint32_t side = r->side[row];
+    uint32_t first = sequence_start(j->patches, side) * (uint32_t)r->rays;
+    uint64_t shift = igi_hash64(j->shift ^ (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
     for (int k = 0; k < r->rays; k++) {
         float u, v;
-        sequence_point((uint64_t)row * (uint64_t)r->rays + (uint64_t)k, j->shift, &u, &v);
+        sequence_point(first + (uint32_t)k, shift, &u, &v);
         place p = origin(j, r->side[row], k, r->rays, rng);
         igi_hit hit = igi_trace(j->tracer, p.point, igi_cosine_direction(p.normal, u, v));
         r->hits[row * (size_t)r->rays + (size_t)k] = met(j, &hit);
-        sum = igi_add(sum, p.point);
     }
-    sum = igi_scale(sum, 1 / (float)r->rays);
-    memcpy(r->point + 3 * row, &sum, 3 * sizeof(float));
+}
+
+/* Light l from the row's places: closed form where nothing is in between, times the visible share
+ * of what the shadow rays carry. */
+static float light_row(const job *j, size_t row, size_t l, igi_rng *rng)
+{
+    int points = j->options.light_points;
+    uint32_t side = j->rows->side[row];
+    uint32_t first = sequence_start(j->patches, side) * (uint32_t)points;
+    uint64_t shift = igi_hash64(igi_hash64(j->shift + l + 1) ^ (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
+    float open = 0, sent = 0, arrived = 0;
+    for (int k = 0; k < points; k++) {
+        igi_light_sample s;
+        float u, v;
+        place p = origin(j, side, k, points, rng);
+        float closed = igi_light_irradiance(j->lighting, NULL, l, p.point, p.normal, 1, 0);
+        if (closed <= 0) continue;
+        open += closed;
+        sequence_point(first + (uint32_t)k, shift, &u, &v);
+        if (!igi_light_sample_toward(j->lighting, l, p.point, u, v, &s)) continue;
+        float carried = igi_dot(s.direction, p.normal) * s.weight;
+        if (carried <= 0) continue;
+        sent += carried;
+        if (!igi_occluded(j->tracer, p.point, igi_madd(p.point, s.direction, s.distance))) arrived += carried;
+    }
+    return sent > 0 ? open / (float)points * (arrived / sent) : 0;
 }
 
 static void gather_direct(const job *j, size_t row, igi_rng *rng)
 {
-    igi_rows *r = j->rows;
-    int points = j->options.light_points;
-    for (int k = 0; k < points; k++) {
-        place p = origin(j, r->side[row], k, points, rng);
-        for (size_t l = 0; l < r->lights; l++) {
-            uint64_t key = ((uint64_t)row * (uint64_t)points + (uint64_t)k) * r->lights + l;
-            r->direct[row * r->lights + l] +=
-                igi_light_irradiance(j->lighting, j->tracer, l, p.point, p.normal, SHADOW_RAYS, key) /
-                (float)points;
-        }
-    }
+    igi_vec sum = igi_v(0, 0, 0);
+    igi_rng places = *rng;
+    for (int k = 0; k < j->options.light_points; k++)
+        sum = igi_add(sum, origin(j, j->rows->side[row], k, j->options.light_points, &places).point);
+    sum = igi_scale(sum, 1 / (float)j->options.light_points);
+    memcpy(j->rows->point + 3 * row, &sum, 3 * sizeof(float));
+    for (size_t l = 0; l < j->rows->lights; l++)
+        j->rows->direct[row * j->rows->lights + l] = light_row(j, row, l, rng);
 }
 
 static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int worker)
@@ -112,7 +147,7 @@ static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int wor
         gather_indirect(j, row, &rng);
         gather_direct(j, row, &rng);
     }
-    size_t rays = (size_t)j->rows->rays + (size_t)j->options.light_points * SHADOW_RAYS * j->rows->lights;
+    size_t rays = (size_t)j->rows->rays + (size_t)j->options.light_points * j->rows->lights;
     igi_count_rays(ctx, (end - begin) * rays);
     return IGI_OK;
 }
@@ -124,7 +159,7 @@ static size_t discover(const job *j)
     size_t found = 0;
     for (size_t i = j->begin * (size_t)r->rays; i < j->end * (size_t)r->rays; i++) {
         uint32_t side = r->hits[i];
-        if (side == IGI_NO_ROW || r->row_of[side] != IGI_NO_ROW) continue;
+        if (side == IGI_NO_SIDE || r->row_of[side] != IGI_NO_ROW) continue;
         r->row_of[side] = (uint32_t)(r->count + found);
         r->side[r->count + found++] = side;
     }
@@ -148,22 +183,17 @@ static igi_status grow(igi_context *ctx, igi_rows *r, size_t count, size_t capac
 }
 
 static void start_with_seen(igi_rows *r, const igi_patches *patches, const igi_sites *sites,
-                            const igi_scene *scene)
+                            const igi_scene *scene, const uint8_t *wanted)
 {
     for (uint32_t side = 0; side < 2 * patches->count; side++) {
         r->row_of[side] = IGI_NO_ROW;
-        if (sites->begin[side + 1] == sites->begin[side]) continue;
+        bool has_sites = sites->begin[side + 1] > sites->begin[side];
+        if (wanted ? !wanted[side] : !has_sites) continue;
         if (scene->regions[igi_patch_region(patches, side >> 1)].emitter) continue;
         r->row_of[side] = (uint32_t)r->count;
         r->side[r->count++] = side;
     }
     r->seen_count = r->count;
-}
-
-static void sides_to_rows(igi_rows *r)
-{
-    for (size_t i = 0; i < r->count * (size_t)r->rays; i++)
-        if (r->hits[i] != IGI_NO_ROW) r->hits[i] = r->row_of[r->hits[i]];
 }
 
 igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_patches *patches,
@@ -180,18 +210,17 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     r->lights = igi_lighting_count(lighting);
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->side));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->row_of));
-    start_with_seen(r, patches, sites, scene);
+    start_with_seen(r, patches, sites, scene, options->wanted);
     job j = {.scene = scene, .patches = patches, .tracer = tracer, .lighting = lighting,
              .sites = sites, .options = *options, .rows = r, .shift = igi_hash64(igi_seed(ctx)), .begin = 0, .end = r->count};
     while (j.begin < j.end) {
         IGI_TRY_GOTO(grow(ctx, r, j.end, capacity));
         size_t tasks = (j.end - j.begin + ROWS_A_TASK - 1) / ROWS_A_TASK;
         IGI_TRY_GOTO(igi_parallel_for(ctx, tasks, gather_rows, &j));
-        r->count += discover(&j);
+        if (!options->wanted) r->count += discover(&j);
         j.begin = j.end;
         j.end = r->count;
     }
-    sides_to_rows(r);
     *rows = r;
     r = NULL;
 cleanup:
@@ -208,4 +237,29 @@ void igi_rows_destroy(igi_rows *rows)
     igi_free(rows->direct);
     igi_free(rows->point);
     igi_free(rows);
+}
+
+void igi_row_indirect(const igi_rows *rows, size_t row, const float *radiance, int bands,
+                      float *irradiance)
+{
+    const uint32_t *hits = rows->hits + row * (size_t)rows->rays;
+    float sum[IGI_MAX_BANDS] = {0};
+    for (int k = 0; k < rows->rays; k++) {
+        if (hits[k] == IGI_NO_SIDE) continue;
+        const float *met = radiance + (size_t)hits[k] * (size_t)bands;
+        for (int b = 0; b < bands; b++) sum[b] += met[b];
+    }
+    float scale = rows->rays > 0 ? IGI_PIF / (float)rows->rays : 0;
+    for (int b = 0; b < bands; b++) irradiance[b] = scale * sum[b];
+}
+
+void igi_row_direct(const igi_rows *rows, size_t row, const igi_light *lights, int bands,
+                    float *irradiance)
+{
+    for (int b = 0; b < bands; b++) {
+        double sum = 0;
+        for (size_t l = 0; l < rows->lights; l++)
+            sum += (double)rows->direct[row * rows->lights + l] * lights[l].value[b];
+        irradiance[b] = (float)sum;
+    }
 }

@@ -25,11 +25,15 @@ typedef struct igi_sites {
 } igi_sites;
 
 typedef struct igi_gather_options {
-    int rays;        /* K, rays of each row; >= 1 */
-    int light_points; /* points of each row from which the lights are looked for; >= 1 */
+    int rays;             /* K, rays of each row; 0: only the lights are looked for */
+    int light_points;     /* points of each row from which the lights are looked for; >= 1 */
+    const uint8_t *wanted; /* [2 patches] non-zero: a side that gets a row; NULL: every side with
+                              sites, every side that their rays meet, and so on until no new side
+                              is met */
 } igi_gather_options;
 
 #define IGI_NO_ROW UINT32_MAX
+#define IGI_NO_SIDE UINT32_MAX
 
 typedef struct igi_rows {
     size_t count;
@@ -38,17 +42,23 @@ typedef struct igi_rows {
     size_t lights;
     uint32_t *side;   /* [count] 2 patch + back */
     uint32_t *row_of; /* [2 * patches] row of a side, or IGI_NO_ROW */
-    uint32_t *hits;   /* [count][rays] row met, or IGI_NO_ROW: nothing, or a lamp */
+    uint32_t *hits;   /* [count][rays] side met, or IGI_NO_SIDE: nothing, or a lamp */
     float *direct;    /* [count][lights] irradiance per unit of the light's value */
-    float *point;     /* [count][3] mean place of its ray origins */
+    float *point;     /* [count][3] mean place of what it starts from */
 } igi_rows;
 
-/* Rows of every side with sites, of every side that these rows meet, and so on until no new side
- * is met. Emitters reflect nothing and get no row. */
+/* Emitters reflect nothing and get no row. */
 IGI_MUST_USE igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene,
                                         const igi_patches *patches, const igi_tracer *tracer,
                                         const igi_lighting *lighting, const igi_sites *sites,
                                         const igi_gather_options *options, igi_rows **rows);
 void igi_rows_destroy(igi_rows *rows);
+
+/* (pi / K) sum_k L(hit_k) of a row, per band, from radiance[2 patches][bands]. */
+void igi_row_indirect(const igi_rows *rows, size_t row, const float *radiance, int bands,
+                      float *irradiance);
+/* sum_l G_l value_l of a row, per band. */
+void igi_row_direct(const igi_rows *rows, size_t row, const igi_light *lights, int bands,
+                    float *irradiance);
 
 #endif
