@@ -8,6 +8,7 @@
 #include <igi/base.h>
 #include <igi/output.h>
 #include <igi/image.h>
+#include <igi/photo.h>
 #include <igi/scene.h>
 #include <igi/material.h>
 #include <igi/recover.h>
