@@ -41,7 +41,7 @@ static igi_method_fn method_function(igi_method method)
     switch (method) {
     case IGI_METHOD_PATCHES: return igi_method_patches;
     case IGI_METHOD_GATHER: return igi_method_gather;
-    case IGI_METHOD_RADIOSITY: return igi_method_patches;
+    case IGI_METHOD_RADIOSITY: return igi_method_radiosity;
     case IGI_METHOD_DIRECT: return igi_method_direct;
     }
     return NULL;
