@@ -16,13 +16,15 @@ static void trace_pixels(const igi_tracer *tracer, const igi_camera *camera, igi
             *hits++ = igi_trace(tracer, centre, igi_camera_direction(camera, x + 0.5, y + 0.5));
 }
 
-static bool is_edge(const igi_scene *scene, const igi_hit *a, const igi_hit *b, float pixel_rad)
+static bool is_edge(const igi_scene *scene, const igi_tracer *tracer, const igi_hit *a,
+                    const igi_hit *b, float pixel_rad)
 {
     if (a->triangle == b->triangle && a->back == b->back) return false;
     if (a->triangle == IGI_NO_HIT || b->triangle == IGI_NO_HIT) return true;
     const igi_mesh *mesh = &scene->mesh;
     if (mesh->regions[a->triangle] != mesh->regions[b->triangle]) return true;
-    igi_vec na = igi_triangle_normal(mesh, a->triangle), nb = igi_triangle_normal(mesh, b->triangle);
+    igi_vec na = igi_tracer_normal(tracer, a->triangle);
+    igi_vec nb = igi_tracer_normal(tracer, b->triangle);
     float side = a->back == b->back ? 1.0f : -1.0f;
     if (side * igi_dot(na, nb) < SMOOTH_COS) return true;
     igi_vec offset = igi_sub(igi_triangle_point(mesh, b->triangle, b->u, b->v),
@@ -31,16 +33,17 @@ static bool is_edge(const igi_scene *scene, const igi_hit *a, const igi_hit *b, 
     return fabsf(igi_dot(na, offset)) > DEPTH_JUMP_PX * pixel_m;
 }
 
-static void mark_beside_edges(const igi_scene *scene, igi_visible *v, float pixel_rad)
+static void mark_beside_edges(const igi_scene *scene, const igi_tracer *tracer, igi_visible *v,
+                              float pixel_rad)
 {
     int w = v->width, h = v->height;
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++) {
             int i = y * w + x;
             const igi_hit *hit = &v->hits[i];
-            if (x + 1 < w && is_edge(scene, hit, hit + 1, pixel_rad))
+            if (x + 1 < w && is_edge(scene, tracer, hit, hit + 1, pixel_rad))
                 v->near_edge[i] = v->near_edge[i + 1] = 2;
-            if (y + 1 < h && is_edge(scene, hit, hit + w, pixel_rad))
+            if (y + 1 < h && is_edge(scene, tracer, hit, hit + w, pixel_rad))
                 v->near_edge[i] = v->near_edge[i + w] = 2;
         }
 }
@@ -65,7 +68,7 @@ igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene, const ig
     IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &visible->near_edge));
     trace_pixels(tracer, camera, visible->hits);
     igi_count_rays(ctx, pixels);
-    mark_beside_edges(scene, visible, (float)(1 / camera->fl_x));
+    mark_beside_edges(scene, tracer, visible, (float)(1 / camera->fl_x));
     for (int y = 0; y < visible->height; y++)
         for (int x = 0; x < visible->width; x++)
             if (visible->near_edge[y * visible->width + x] == 2) mark_neighbours(visible, x, y);

@@ -20,7 +20,7 @@
 
 #include "recover/region_sums.h"
 
-#define DEFAULT_RAYS 32
+#define DEFAULT_RAYS 64
 #define MAX_SWEEPS 200
 #define SETTLED 1e-5 /* far below the noise; each sweep shrinks what is left by a third at least */
 
@@ -87,7 +87,7 @@ igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_
     solver s = {.problem = problem, .bands = (size_t)problem->bands, .radiance = diffuse->radiance,
                 .albedo = diffuse->albedo};
     int rays = problem->options->rays ? problem->options->rays : DEFAULT_RAYS;
-    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 3 : 1};
+    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 4 : 1};
     igi_sites sites = igi_problem_sites(problem);
     igi_stage_begin(ctx, "gather");
     IGI_TRY_GOTO(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,

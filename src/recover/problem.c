@@ -7,6 +7,7 @@
  * passers-by. Generous, because the noise of rendered and of real photographs is skewed, and
  * cutting a skewed tail biases the mean. */
 #define OUTLIER_SIGMAS 6.0
+#define FEW_PIXELS 5 /* below that, nothing can be told from an outlier */
 
 static uint32_t side_of(const igi_problem *p, size_t i)
 {
@@ -43,35 +44,50 @@ static double brightness(const igi_problem *p, size_t observation)
 }
 
 typedef struct spread {
-    double mean, variance;
+    double mean, variance, low, high;
 } spread;
 
+/* Of the brightness of a side's pixels between the bounds. */
 static spread spread_of(const igi_problem *p, uint32_t side, double low, double high)
 {
     double sum = 0, squares = 0, n = 0;
+    spread s = {0, 0, HUGE_VAL, -HUGE_VAL};
     for (size_t k = p->site_begin[side]; k < p->site_begin[side + 1]; k++) {
         double x = brightness(p, p->order[k]);
         if (x < low || x > high) continue;
         sum += x;
         squares += x * x;
         n++;
+        s.low = fmin(s.low, x);
+        s.high = fmax(s.high, x);
     }
-    double mean = n > 0 ? sum / n : 0;
-    return (spread){mean, n > 1 ? fmax(0, squares / n - mean * mean) * n / (n - 1) : 0};
+    s.mean = n > 0 ? sum / n : 0;
+    s.variance = n > 1 ? fmax(0, squares / n - s.mean * s.mean) * n / (n - 1) : 0;
+    return s;
+}
+
+/* Narrows the bounds until nothing lies outside: outliers widen the spread that is to expose them. */
+static spread core_of(const igi_problem *p, uint32_t side)
+{
+    spread s = spread_of(p, side, -HUGE_VAL, HUGE_VAL);
+    if (igi_problem_seen_count(p, side) < FEW_PIXELS) return s;
+    for (int i = 0; i < 3; i++) {
+        double reach = OUTLIER_SIGMAS * sqrt(s.variance);
+        if (s.low >= s.mean - reach && s.high <= s.mean + reach) break;
+        s = spread_of(p, side, s.mean - reach, s.mean + reach);
+    }
+    return s;
 }
 
 static void average_side(igi_problem *p, uint32_t side)
 {
-    size_t n = igi_problem_seen_count(p, side), bands = (size_t)p->bands;
-    if (n == 0) return;
-    spread all = spread_of(p, side, -HUGE_VAL, HUGE_VAL);
-    double reach = n > 4 ? OUTLIER_SIGMAS * sqrt(all.variance) : HUGE_VAL;
-    /* The outliers widen the spread that is to expose them: once more without them. */
-    spread core = spread_of(p, side, all.mean - reach / 2, all.mean + reach / 2);
-    if (n > 4) reach = OUTLIER_SIGMAS * sqrt(core.variance);
+    size_t bands = (size_t)p->bands;
+    if (igi_problem_seen_count(p, side) == 0) return;
+    spread core = core_of(p, side);
     double sum[IGI_MAX_BANDS] = {0}, kept = 0;
     for (size_t k = p->site_begin[side]; k < p->site_begin[side + 1]; k++) {
-        if (n > 4 && fabs(brightness(p, p->order[k]) - core.mean) > reach) continue;
+        double x = brightness(p, p->order[k]);
+        if (x < core.low || x > core.high) continue;
         const float *radiance = p->observations->radiance + p->order[k] * bands;
         for (size_t b = 0; b < bands; b++) sum[b] += (double)radiance[b];
         kept++;

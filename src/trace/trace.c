@@ -16,6 +16,7 @@
 
 struct igi_tracer {
     const igi_mesh *mesh;
+    igi_vec *normals; /* [triangle_count] */
     RTCDevice device;
     RTCScene scene;
     igi_vec low, high;
@@ -69,10 +70,16 @@ static void attach_mesh(igi_tracer *tracer)
 
 igi_status igi_tracer_create(igi_context *ctx, const igi_mesh *mesh, igi_tracer **tracer)
 {
-    IGI_TRY(IGI_ALLOC(ctx, 1, tracer));
-    igi_tracer *t = *tracer;
+    igi_tracer *t;
+    *tracer = NULL;
+    IGI_TRY(IGI_ALLOC(ctx, 1, &t));
+    if (IGI_ALLOC(ctx, mesh->triangle_count, &t->normals) != IGI_OK) {
+        igi_tracer_destroy(t);
+        return IGI_E_SYSTEM;
+    }
     t->mesh = mesh;
     find_bounds(t);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) t->normals[i] = igi_triangle_normal(mesh, i);
     char config[64];
     snprintf(config, sizeof config, "threads=%d,set_affinity=0", igi_threads(ctx));
     t->device = rtcNewDevice(config);
@@ -83,10 +90,12 @@ igi_status igi_tracer_create(igi_context *ctx, const igi_mesh *mesh, igi_tracer 
     } else {
         keep_error(t, rtcGetDeviceError(NULL), "no device");
     }
-    if (!t->error[0]) return IGI_OK;
+    if (!t->error[0]) {
+        *tracer = t;
+        return IGI_OK;
+    }
     igi_status status = igi_fail(ctx, IGI_E_SYSTEM, "mesh: %s; is there enough memory?", t->error);
     igi_tracer_destroy(t);
-    *tracer = NULL;
     return status;
 }
 
@@ -95,6 +104,7 @@ void igi_tracer_destroy(igi_tracer *tracer)
     if (!tracer) return;
     if (tracer->scene) rtcReleaseScene(tracer->scene);
     if (tracer->device) rtcReleaseDevice(tracer->device);
+    igi_free(tracer->normals);
     igi_free(tracer);
 }
 
@@ -157,4 +167,9 @@ float igi_tracer_size(const igi_tracer *tracer, igi_vec *low, igi_vec *high)
 float igi_tracer_epsilon(const igi_tracer *tracer)
 {
     return tracer->epsilon;
+}
+
+igi_vec igi_tracer_normal(const igi_tracer *tracer, uint32_t triangle)
+{
+    return tracer->normals[triangle];
 }

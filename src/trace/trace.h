@@ -40,6 +40,8 @@ bool igi_occluded_toward(const igi_tracer *tracer, igi_vec from, igi_vec directi
 igi_vec igi_triangle_point(const igi_mesh *mesh, uint32_t triangle, float u, float v);
 /* Unit, on the front side; zero for a triangle without area. */
 igi_vec igi_triangle_normal(const igi_mesh *mesh, uint32_t triangle);
+/* The same, computed once for all triangles. */
+igi_vec igi_tracer_normal(const igi_tracer *tracer, uint32_t triangle);
 float igi_triangle_area(const igi_mesh *mesh, uint32_t triangle);
 /* Texture coordinates there; the mesh must have them. */
 void igi_triangle_uv(const igi_mesh *mesh, uint32_t triangle, float u, float v, float uv[2]);

@@ -69,7 +69,7 @@ static place origin(const job *j, uint32_t side, int k, int of, igi_rng *rng)
     } else {
         igi_patch_sample(j->patches, side >> 1, rng, &triangle, &u, &v);
     }
-    igi_vec normal = igi_triangle_normal(j->patches->mesh, triangle);
+    igi_vec normal = igi_tracer_normal(j->tracer, triangle);
     if (side & 1) normal = igi_scale(normal, -1);
     return (place){igi_triangle_point(j->patches->mesh, triangle, u, v), normal};
 }
