@@ -15,9 +15,10 @@ extern "C" {
  * over bands. A field that does not apply is NaN. */
 typedef struct igi_region_error {
     char *region;
-    bool judged; /* false: an emitter, or less than a fifth of it is seen */
+    bool judged;  /* false: an emitter, or less than a fifth of it is seen */
+    bool missing; /* the result does not have it: counts as an albedo error of 1 */
     double albedo;
-    double texture_median, texture_seen; /* over texels that the photographs determine */
+    double texture_median, texture_mean, texture_seen; /* over texels that photographs determine */
     double specular, alpha;
     igi_model got, want;
     double sigmas; /* largest over bands of |got - want| / stated standard deviation */
@@ -28,6 +29,7 @@ typedef struct igi_validation {
     igi_region_error *regions;
     double albedo_mean, albedo_median, albedo_max, specular_mean, alpha_mean, texture_median;
     int models, models_right;
+    int glossy_right, glossy_false, glossy_missed; /* lobes: true and false positives, false negatives */
 } igi_validation;
 
 /* Compares the folder that recovery wrote with a truth folder. */
@@ -35,8 +37,15 @@ IGI_API IGI_MUST_USE igi_status igi_validate(igi_context *context, const char *f
                                              const char *truth_folder, igi_validation **validation);
 IGI_API void igi_validation_destroy(igi_validation *validation);
 
+/* Writes FOLDER/comparison/NAME.photo.png, NAME.prediction.png and NAME.difference.png for some
+ * frames of the recovery, tone-mapped, spread over the views, at most 320 pixels wide; and
+ * comparison.json, which says how. What igi_report shows. */
+IGI_API IGI_MUST_USE igi_status igi_comparisons_save(igi_context *context,
+                                                     const igi_recovery *recovery,
+                                                     const char *folder);
+
 /* Writes FOLDER/report.html, one self-contained page, from what is in the folder: materials.json,
- * manifest.json, the maps, and comparison/NAME.png. */
+ * manifest.json, the maps and comparison/. */
 IGI_API IGI_MUST_USE igi_status igi_report(igi_context *context, const char *folder);
 
 #ifdef __cplusplus

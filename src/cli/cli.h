@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What the files of the program share: commands, options, progress, text.
+ */
+#ifndef IGI_SRC_CLI_CLI_H
+#define IGI_SRC_CLI_CLI_H
+
+#include <igi/igi.h>
+
+#include <stdio.h>
+
+enum { CLI_MAX_ARGUMENTS = 16 };
+
+/* Every option's value, set from the table in options.c: the same option means the same in every
+ * command. */
+typedef struct cli_values {
+    const char *output, *method, *model, *truth;
+    double patch, rays, map_size, target_error, time_budget, tolerance, threads, seed;
+    bool quiet, verbose, json, force, dry_run, help;
+} cli_values;
+
+/* One bit a command, for the table of options. */
+enum {
+    CLI_RECOVER = 1,
+    CLI_SYNTH = 2,
+    CLI_VALIDATE = 4,
+    CLI_REPORT = 8,
+    CLI_ALL = 15
+};
+
+typedef struct cli_session cli_session;
+
+typedef struct cli_command {
+    const char *name;
+    unsigned bit;
+    int arguments; /* how many it takes */
+    const char *usage, *summary, *example, *details;
+    igi_status (*run)(cli_session *session);
+} cli_command;
+
+/* Progress on stderr: a bar on a terminal, a line a stage elsewhere, nothing when quiet. */
+typedef struct cli_progress {
+    bool quiet, bar, drawn;
+    char stage[64];
+    double began_s;
+} cli_progress;
+
+struct cli_session {
+    const cli_command *command;
+    cli_values values;
+    const char *arguments[CLI_MAX_ARGUMENTS]; /* those without a dash, in order */
+    int argument_count;
+    int argc; /* the whole command line */
+    char **argv;
+    igi_context *context;
+    cli_progress progress;
+};
+
+extern const cli_command *const cli_commands[];
+
+/* Reads the options and arguments that follow the command. A mistake is said on stderr. */
+bool cli_parse(cli_session *session, int argc, char **argv);
+/* The options of a command, a line each, with unit and default. */
+void cli_print_options(unsigned command);
+/* Names and present values of the command's options, for the manifest; returns how many. `text`
+ * holds the numbers' digits. */
+size_t cli_settings(const cli_session *session, igi_setting *settings, char text[][32], size_t room);
+
+/* The name among `names` that is most like `word`, or NULL when none is near. */
+const char *cli_nearest(const char *word, const char *const *names);
+
+void cli_progress_begin(cli_progress *progress, bool quiet);
+bool cli_progress_report(void *session, const char *stage, double fraction);
+void cli_progress_clear(cli_progress *progress);
+void cli_progress_log(void *session, const char *sentence);
+
+/* The command line in one string, for the manifest: quoted for a shell. */
+void cli_command_line(const cli_session *session, char *text, size_t size);
+/* A JSON string with its quotes. */
+void cli_print_json_string(const char *text);
+/* A number with six digits, or null. */
+void cli_print_json_number(double x);
+/* "12.3 %" of a fraction, right-aligned in `width`; "-" when it is not a number. */
+void cli_print_percent(double fraction, int width);
+/* The width of the longest of the names, in characters, at least `least`. */
+int cli_text_width(const char *text);
+/* The text and blanks up to `width` characters. */
+void cli_print_padded(const char *text, int width);
+
+#endif

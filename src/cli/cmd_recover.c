@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * igi recover: photographs, mesh and cameras in; materials, their error bars and a report out.
+ */
+#include "cli.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static igi_status fail(const char *path, const char *what)
+{
+    fprintf(stderr, "igi: %s: %s\n", path, what);
+    return IGI_E_SYSTEM;
+}
+
+static void set_options(const cli_values *values, igi_recover_options *options)
+{
+    igi_recover_options_init(options);
+    bool known = igi_method_from_name(values->method, &options->method);
+    (void)known; /* the table of options lets no other name through */
+    options->patch_m = values->patch;
+    options->rays = (int)values->rays;
+    options->map_size = (int)values->map_size;
+    options->target_error = values->target_error;
+    options->time_budget_s = values->time_budget;
+}
+
+/* scene.json and every photograph; what they name besides is found through them. */
+static igi_status save_manifest(cli_session *s, const igi_scene *scene, const char *folder)
+{
+    igi_setting settings[24];
+    char numbers[24][32], command[4096];
+    const char **inputs = calloc(scene->file_count + 1, sizeof *inputs);
+    if (!inputs) return fail("memory", "no room for the list of inputs");
+    for (size_t i = 0; i < scene->file_count; i++) inputs[i] = scene->files[i];
+    cli_command_line(s, command, sizeof command);
+    igi_manifest manifest = {.command = command,
+                             .setting_count = cli_settings(s, settings, numbers, 24),
+                             .settings = settings,
+                             .input_count = scene->file_count,
+                             .inputs = inputs};
+    igi_status status = igi_manifest_save(s->context, &manifest, folder);
+    free(inputs);
+    return status;
+}
+
+static igi_status write_results(cli_session *s, const igi_scene *scene,
+                                const igi_recovery *recovery, const char *folder)
+{
+    char path[4096];
+    igi_context *context = s->context;
+    igi_status status = igi_materials_save(context, recovery->materials, scene, folder);
+    snprintf(path, sizeof path, "%s/scene.glb", folder);
+    if (status == IGI_OK)
+        status = igi_materials_save_glb(context, recovery->materials, scene, path);
+    if (status == IGI_OK) status = igi_comparisons_save(context, recovery, folder);
+    if (status == IGI_OK) status = save_manifest(s, scene, folder);
+    if (status == IGI_OK) status = igi_report(context, folder);
+    return status;
+}
+
+static double largest_share(const igi_material *m, int bands)
+{
+    double largest = 0;
+    for (int b = 0; b < bands; b++) {
+        double share = m->albedo[b] > 0 ? m->albedo_std[b] / m->albedo[b] : m->albedo_std[b];
+        if (share > largest) largest = share;
+    }
+    return largest;
+}
+
+static void print_table(const igi_materials *materials, const char *output)
+{
+    int width = 6;
+    for (size_t i = 0; i < materials->count; i++) {
+        int w = cli_text_width(materials->materials[i].region);
+        if (w > width) width = w;
+    }
+    int bands = materials->bands;
+    cli_print_padded("region", width);
+    printf("  model    %-*s   1 sigma  observed  views\n", 7 * bands, "albedo");
+    for (size_t i = 0; i < materials->count; i++) {
+        const igi_material *m = &materials->materials[i];
+        if (m->emitter) continue;
+        cli_print_padded(m->region, width);
+        printf("  %-7s ", igi_model_name(m->model));
+        for (int b = 0; b < bands; b++) printf(" %6.4f", m->albedo[b]);
+        fputs("  ", stdout);
+        if (m->determined) cli_print_percent(largest_share(m, bands), 10);
+        else fputs("not seen  ", stdout);
+        printf("  %6.1f %%  %5d%s\n", 100 * m->observed, m->views,
+               m->warning_count ? "  see the report" : "");
+    }
+    printf("%s: written; look at %s/report.html\n", output, output);
+}
+
+static igi_status print_file(const char *folder, const char *name)
+{
+    char path[4096], block[8192];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    if (!file) return fail(path, "cannot be read");
+    for (size_t n; (n = fread(block, 1, sizeof block, file)) > 0;) fwrite(block, 1, n, stdout);
+    puts("");
+    fclose(file);
+    return IGI_OK;
+}
+
+static void print_plan(const igi_scene *scene, const cli_values *values)
+{
+    size_t pixels = 0;
+    for (size_t i = 0; i < scene->frame_count; i++)
+        pixels += (size_t)scene->frames[i].camera.width * (size_t)scene->frames[i].camera.height;
+    printf("%s: %zu photographs, %.2f million pixels, %d bands; %zu triangles in %zu regions; "
+           "%zu lights\n"
+           "would recover by %s%s%s; nothing was written\n",
+           scene->name, scene->frame_count, (double)pixels * 1e-6, scene->bands,
+           scene->mesh.triangle_count, scene->region_count, scene->light_count, values->method,
+           values->output ? " into " : "", values->output ? values->output : "");
+}
+
+static igi_status recover_into(cli_session *s, const igi_scene *scene, igi_output *output)
+{
+    igi_recover_options options;
+    igi_recovery *recovery = NULL;
+    const cli_values *values = &s->values;
+    set_options(values, &options);
+    igi_status status = igi_recover(s->context, scene, &options, &recovery);
+    if (status == IGI_OK)
+        status = write_results(s, scene, recovery, igi_output_folder(output));
+    if (status == IGI_OK) status = igi_output_commit(s->context, output);
+    cli_progress_clear(&s->progress);
+    if (status == IGI_OK && values->json) status = print_file(values->output, "materials.json");
+    else if (status == IGI_OK && !values->quiet) print_table(recovery->materials, values->output);
+    igi_recovery_destroy(recovery);
+    return status;
+}
+
+static igi_status run(cli_session *s)
+{
+    const char *path = s->arguments[0];
+    igi_scene *scene = NULL;
+    igi_output *output = NULL;
+    if (!s->values.output && !s->values.dry_run) {
+        fprintf(stderr, "igi: recover: where to? give a folder with -o\n");
+        return IGI_E_USAGE;
+    }
+    cli_progress_report(s, "reading the scene", 0);
+    igi_status status = igi_scene_load(s->context, path, &scene);
+    for (size_t i = 0; status == IGI_OK && i < scene->warning_count; i++)
+        cli_progress_log(s, scene->warnings[i]);
+    if (status == IGI_OK && s->values.dry_run) {
+        cli_progress_clear(&s->progress);
+        print_plan(scene, &s->values);
+    } else if (status == IGI_OK) {
+        status = igi_output_begin(s->context, s->values.output, s->values.force, path, &output);
+        if (status == IGI_OK) status = recover_into(s, scene, output);
+    }
+    igi_output_destroy(output);
+    igi_scene_destroy(scene);
+    return status;
+}
+
+const cli_command cli_recover = {
+    .name = "recover",
+    .bit = CLI_RECOVER,
+    .arguments = 1,
+    .usage = "recover SCENE -o OUT",
+    .summary = "albedo with error bars from photographs, mesh and cameras",
+    .example = "igi recover my-room -o my-room.out",
+    .details = "SCENE is a folder with scene.json, mesh, cameras and radiance images. OUT receives\n"
+               "materials.json, albedo/ and uncertainty/ (maps), scene.glb, manifest.json and\n"
+               "report.html. truth/, heldout/ and relit*/ in SCENE are never opened.",
+    .run = run,
+};

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The commands, in the order in which one meets them.
+ */
+#include "cli.h"
+
+extern const cli_command cli_recover, cli_report, cli_synth, cli_validate;
+
+const cli_command *const cli_commands[] = {&cli_recover, &cli_validate, &cli_report, &cli_synth,
+                                           NULL};

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The one table of options: parsing, range checks, defaults, help and the manifest come from it.
+ */
+#include "cli.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum option_kind { FLAG, TEXT, CHOICE, WHOLE, REAL } option_kind;
+
+typedef struct option {
+    const char *name;
+    char letter; /* 0: none */
+    option_kind kind;
+    unsigned commands;
+    size_t offset;        /* in cli_values */
+    const char *value;    /* its name in the help, or the choices: a|b */
+    const char *standard; /* the default; NULL: none */
+    double low, high;
+    const char *help;
+} option;
+
+#define AT(field) offsetof(cli_values, field)
+#define MANY 1e6
+
+static const option options[] = {
+    {"output", 'o', TEXT, CLI_RECOVER | CLI_SYNTH, AT(output), "FOLDER", NULL, 0, 0,
+     "where to write; it appears whole or not at all"},
+    {"truth", 0, TEXT, CLI_VALIDATE, AT(truth), "FOLDER", NULL, 0, 0,
+     "the scene's truth folder, with truth.json"},
+    {"tolerance", 0, REAL, CLI_VALIDATE, AT(tolerance), "E", "0", 0, MANY,
+     "exit with 1 when the mean albedo error is above it; a fraction, 0: never"},
+    {"method", 0, CHOICE, CLI_RECOVER, AT(method), "patches|gather|radiosity|direct", "patches", 0,
+     0, "how light between surfaces is reckoned"},
+    {"model", 0, CHOICE, CLI_RECOVER, AT(model), "auto|lambert", "auto", 0, 0,
+     "reflectance of the surfaces; auto is what the photographs ask for"},
+    {"target-error", 0, REAL, CLI_RECOVER, AT(target_error), "E", "0", 0, 1,
+     "relative error of albedo to aim at, a fraction; 0: the method's own"},
+    {"time-budget", 0, REAL, CLI_RECOVER, AT(time_budget), "SECONDS", "0", 0, MANY,
+     "CPU seconds to aim at; 0: no limit"},
+    {"patch", 0, REAL, CLI_RECOVER, AT(patch), "METRES", "0", 0, MANY,
+     "side of a patch; 0: from the size of the room"},
+    {"rays", 0, WHOLE, CLI_RECOVER, AT(rays), "N", "0", 0, MANY,
+     "rays from each patch; 0: the method's own"},
+    {"map-size", 0, WHOLE, CLI_RECOVER, AT(map_size), "TEXELS", "0", 0, 16384,
+     "side of an albedo map; 0: as fine as the photographs"},
+    {"threads", 'j', WHOLE, CLI_ALL, AT(threads), "N", "0", 0, 256,
+     "threads to work with; 0: one for each processor"},
+    {"seed", 0, WHOLE, CLI_ALL, AT(seed), "N", "1", 0, 9007199254740992.0,
+     "of all random numbers; the same seed gives the same bytes"},
+    {"force", 'f', FLAG, CLI_RECOVER | CLI_SYNTH, AT(force), NULL, NULL, 0, 0,
+     "replace a folder that igi did not write"},
+    {"dry-run", 'n', FLAG, CLI_RECOVER, AT(dry_run), NULL, NULL, 0, 0,
+     "check the input, say what would be done, write nothing"},
+    {"json", 0, FLAG, CLI_ALL, AT(json), NULL, NULL, 0, 0, "print the result as JSON"},
+    {"quiet", 'q', FLAG, CLI_ALL, AT(quiet), NULL, NULL, 0, 0, "no progress, no warnings, no table"},
+    {"verbose", 'v', FLAG, CLI_ALL, AT(verbose), NULL, NULL, 0, 0,
+     "say what each stage cost in time, rays and memory"},
+    {"help", 'h', FLAG, CLI_ALL, AT(help), NULL, NULL, 0, 0, "this text"},
+};
+
+enum { OPTION_COUNT = sizeof options / sizeof options[0] };
+
+static bool is_choice(const char *choices, const char *text)
+{
+    size_t length = strlen(text);
+    for (const char *at = choices; length && at; at = strchr(at, '|')) {
+        at += *at == '|';
+        if (strncmp(at, text, length) == 0 && (at[length] == '|' || at[length] == 0)) return true;
+    }
+    return false;
+}
+
+/* Stores the value; NULL, or what is wrong with it. */
+static const char *store(cli_values *values, const option *o, const char *text)
+{
+    void *field = (char *)values + o->offset;
+    if (o->kind == FLAG) *(bool *)field = true;
+    if (o->kind == CHOICE && !is_choice(o->value, text)) return "must be one of";
+    if (o->kind == TEXT && !text[0]) return "must not be empty:";
+    if (o->kind == CHOICE || o->kind == TEXT) *(const char **)field = text;
+    if (o->kind != WHOLE && o->kind != REAL) return NULL;
+    char *end = NULL;
+    double x = strtod(text, &end);
+    if (end == text || *end || !isfinite(x)) return "must be a number:";
+    if (o->kind == WHOLE && x != floor(x)) return "must be a whole number:";
+    if (x < o->low || x > o->high) return "is out of range:";
+    *(double *)field = x;
+    return NULL;
+}
+
+static const option *find_long(const char *name, size_t length)
+{
+    for (size_t i = 0; i < OPTION_COUNT; i++)
+        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0)
+            return &options[i];
+    return NULL;
+}
+
+static const option *find_letter(char letter)
+{
+    for (size_t i = 0; i < OPTION_COUNT; i++)
+        if (options[i].letter && options[i].letter == letter) return &options[i];
+    return NULL;
+}
+
+static bool say_unknown(const cli_command *command, const char *word)
+{
+    const char *names[OPTION_COUNT + 1], *nearest = NULL;
+    size_t count = 0;
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(word + 2, "="), word[1] == '-' ? word + 2 : "");
+    for (size_t i = 0; i < OPTION_COUNT; i++)
+        if (options[i].commands & command->bit) names[count++] = options[i].name;
+    names[count] = NULL;
+    if (name[0]) nearest = cli_nearest(name, names);
+    if (nearest)
+        fprintf(stderr, "igi: %s: there is no such option; did you mean --%s?\n", word, nearest);
+    else
+        fprintf(stderr, "igi: %s: there is no such option; see igi help %s\n", word, command->name);
+    return false;
+}
+
+/* Reads one option at argv[*at] and moves *at past its value. */
+static bool parse_option(cli_session *s, int argc, char **argv, int *at)
+{
+    const char *word = argv[*at], *value = NULL;
+    const option *o;
+    if (word[1] == '-') {
+        size_t length = strcspn(word + 2, "=");
+        o = find_long(word + 2, length);
+        if (word[2 + length] == '=') value = word + 3 + length;
+    } else {
+        o = find_letter(word[1]);
+        if (word[2]) value = word + 2;
+    }
+    if (!o || !(o->commands & s->command->bit)) return say_unknown(s->command, word);
+    if (o->kind == FLAG && value) {
+        fprintf(stderr, "igi: %s: --%s takes no value\n", word, o->name);
+        return false;
+    }
+    if (o->kind != FLAG && !value) {
+        if (*at + 1 >= argc) {
+            fprintf(stderr, "igi: %s: its value is missing: %s\n", word, o->value);
+            return false;
+        }
+        value = argv[++*at];
+    }
+    const char *wrong = store(&s->values, o, value);
+    if (!wrong) return true;
+    fprintf(stderr, "igi: --%s '%s': %s %s", o->name, value, wrong, o->value);
+    if (o->kind == WHOLE || o->kind == REAL) fprintf(stderr, " from %.16g to %.16g", o->low, o->high);
+    fputs("\n", stderr);
+    return false;
+}
+
+bool cli_parse(cli_session *s, int argc, char **argv)
+{
+    bool only_arguments = false;
+    for (size_t i = 0; i < OPTION_COUNT; i++)
+        if (options[i].standard) (void)store(&s->values, &options[i], options[i].standard);
+    for (int at = 0; at < argc; at++) {
+        const char *word = argv[at];
+        if (only_arguments || word[0] != '-' || !word[1]) {
+            if (s->argument_count == CLI_MAX_ARGUMENTS) break;
+            s->arguments[s->argument_count++] = word;
+        } else if (strcmp(word, "--") == 0) {
+            only_arguments = true;
+        } else if (!parse_option(s, argc, argv, &at)) {
+            return false;
+        }
+    }
+    if (s->values.help || s->argument_count == s->command->arguments) return true;
+    fprintf(stderr, "igi: %s: %d argument%s given, %d needed: igi %s\n", s->command->name,
+            s->argument_count, s->argument_count == 1 ? "" : "s", s->command->arguments,
+            s->command->usage);
+    return false;
+}
+
+void cli_print_options(unsigned command)
+{
+    for (size_t i = 0; i < OPTION_COUNT; i++) {
+        const option *o = &options[i];
+        if (!(o->commands & command)) continue;
+        char left[80];
+        snprintf(left, sizeof left, "%s%c%s --%s %s", o->letter ? "-" : " ",
+                 o->letter ? o->letter : ' ', o->letter ? "," : " ", o->name,
+                 o->value ? o->value : "");
+        printf("  %-28s ", left);
+        if (strlen(left) > 28) printf("\n  %-28s ", "");
+        printf("%s", o->help);
+        if (o->standard) printf(" [%s]", o->standard);
+        puts("");
+    }
+}
+
+size_t cli_settings(const cli_session *s, igi_setting *settings, char text[][32], size_t room)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < OPTION_COUNT && count < room; i++) {
+        const option *o = &options[i];
+        if (!(o->commands & s->command->bit) || o->kind == FLAG) continue;
+        const void *field = (const char *)&s->values + o->offset;
+        settings[count] = (igi_setting){o->name, text[count]};
+        if (o->kind == TEXT || o->kind == CHOICE) settings[count].value = *(const char *const *)field;
+        else snprintf(text[count], 32, "%.16g", *(const double *)field);
+        count += settings[count].value != NULL;
+    }
+    return count;
+}
