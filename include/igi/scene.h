@@ -81,6 +81,9 @@ typedef struct igi_scene {
     igi_light *lights;
     size_t frame_count;
     igi_frame *frames;
+    size_t file_count; /* paths of what was read besides the photographs: manifest, mesh, cameras
+                        * (a folder, of COLMAP's) */
+    char **files;
     size_t warning_count; /* sentences about what was odd but usable in the input */
     char **warnings;
 } igi_scene;

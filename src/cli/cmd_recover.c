@@ -25,19 +25,21 @@ static void set_options(const cli_values *values, igi_recover_options *options)
     options->time_budget_s = values->time_budget;
 }
 
-/* scene.json and every photograph; what they name besides is found through them. */
+/* What the scene was read from, and every photograph. */
 static igi_status save_manifest(cli_session *s, const igi_scene *scene, const char *folder)
 {
     igi_setting settings[24];
     char numbers[24][32], command[4096];
-    const char **inputs = calloc(scene->file_count + 1, sizeof *inputs);
+    size_t count = 0;
+    const char **inputs = calloc(scene->file_count + scene->frame_count + 1, sizeof *inputs);
     if (!inputs) return fail("memory", "no room for the list of inputs");
-    for (size_t i = 0; i < scene->file_count; i++) inputs[i] = scene->files[i];
+    for (size_t i = 0; i < scene->file_count; i++) inputs[count++] = scene->files[i];
+    for (size_t i = 0; i < scene->frame_count; i++) inputs[count++] = scene->frames[i].path;
     cli_command_line(s, command, sizeof command);
     igi_manifest manifest = {.command = command,
                              .setting_count = cli_settings(s, settings, numbers, 24),
                              .settings = settings,
-                             .input_count = scene->file_count,
+                             .input_count = count,
                              .inputs = inputs};
     igi_status status = igi_manifest_save(s->context, &manifest, folder);
     free(inputs);
@@ -145,10 +147,8 @@ static igi_status run(cli_session *s)
         fprintf(stderr, "igi: recover: where to? give a folder with -o\n");
         return IGI_E_USAGE;
     }
-    cli_progress_report(s, "reading the scene", 0);
+    cli_progress_report(s, "scene", 0);
     igi_status status = igi_scene_load(s->context, path, &scene);
-    for (size_t i = 0; status == IGI_OK && i < scene->warning_count; i++)
-        cli_progress_log(s, scene->warnings[i]);
     if (status == IGI_OK && s->values.dry_run) {
         cli_progress_clear(&s->progress);
         print_plan(scene, &s->values);

@@ -6,11 +6,14 @@
 
 #include <igi/output.h>
 
+#include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <xxhash.h>
 
@@ -43,17 +46,45 @@ cleanup:
     return status;
 }
 
+static igi_status input_json(igi_context *ctx, const char *path, json_t *array)
+{
+    uint64_t bytes = 0, hash = 0;
+    IGI_TRY(hash_file(ctx, path, &bytes, &hash));
+    char text[24];
+    snprintf(text, sizeof text, "%016" PRIx64, hash);
+    json_t *o = json_pack("{s:s?, s:I, s:s}", "file", path, "bytes", (json_int_t)bytes, "xxh64",
+                          text);
+    if (json_array_append_new(array, o))
+        return igi_fail(ctx, IGI_E_DATA, "%s: the name is not UTF-8; rename it", path);
+    return IGI_OK;
+}
+
+/* The files of a folder (a COLMAP model), by name. */
+static igi_status folder_json(igi_context *ctx, const char *folder, json_t *array)
+{
+    struct dirent **entries = NULL;
+    igi_status status = IGI_OK;
+    int count = scandir(folder, &entries, NULL, alphasort);
+    for (int i = 0; i < count; i++) {
+        char *path = NULL;
+        struct stat info;
+        if (status == IGI_OK) status = igi_strprintf(ctx, &path, "%s/%s", folder, entries[i]->d_name);
+        if (status == IGI_OK && stat(path, &info) == 0 && S_ISREG(info.st_mode))
+            status = input_json(ctx, path, array);
+        igi_free(path);
+        free(entries[i]); /* as scandir's contract has it */
+    }
+    free(entries);
+    return status;
+}
+
 static igi_status inputs_json(igi_context *ctx, const igi_manifest *m, json_t *array)
 {
     for (size_t i = 0; i < m->input_count; i++) {
-        uint64_t bytes = 0, hash = 0;
-        IGI_TRY(hash_file(ctx, m->inputs[i], &bytes, &hash));
-        char text[24];
-        snprintf(text, sizeof text, "%016" PRIx64, hash);
-        json_t *o = json_pack("{s:s?, s:I, s:s}", "file", m->inputs[i], "bytes", (json_int_t)bytes,
-                              "xxh64", text);
-        if (json_array_append_new(array, o))
-            return igi_fail(ctx, IGI_E_DATA, "%s: the name is not UTF-8; rename it", m->inputs[i]);
+        struct stat info;
+        bool folder = stat(m->inputs[i], &info) == 0 && S_ISDIR(info.st_mode);
+        IGI_TRY(folder ? folder_json(ctx, m->inputs[i], array)
+                       : input_json(ctx, m->inputs[i], array));
     }
     return IGI_OK;
 }

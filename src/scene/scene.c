@@ -34,13 +34,25 @@ igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format
     return IGI_OK;
 }
 
+static igi_status note_file(igi_context *ctx, igi_scene *scene, const char *path)
+{
+    size_t capacity = scene->file_count;
+    char **grown =
+        igi_grow(ctx, scene->files, &capacity, scene->file_count + 1, sizeof *scene->files);
+    if (!grown) return IGI_E_SYSTEM;
+    scene->files = grown;
+    IGI_TRY(igi_strdup(ctx, path, &scene->files[scene->file_count]));
+    scene->file_count++;
+    return IGI_OK;
+}
+
 /* A file or folder that the manifest names. */
-static igi_status named_path(igi_context *ctx, const igi_json *at, const char *folder, char **path)
+static igi_status named_path(igi_context *ctx, const igi_json *at, igi_scene *scene, char **path)
 {
     const char *name;
     IGI_TRY(igi_json_string(ctx, at, &name));
-    IGI_TRY(igi_path_join(ctx, folder, name, path));
-    if (igi_file_exists(*path) || igi_is_folder(*path)) return IGI_OK;
+    IGI_TRY(igi_path_join(ctx, scene->folder, name, path));
+    if (igi_file_exists(*path) || igi_is_folder(*path)) return note_file(ctx, scene, *path);
     igi_status status =
         igi_json_fail(ctx, at, "no readable file %s; correct the name, or put the file there", *path);
     igi_free(*path);
@@ -76,7 +88,7 @@ static igi_status read_mesh(igi_context *ctx, const igi_json *root, igi_scene *s
 {
     igi_json mesh = igi_json_member(root, "mesh"), regions = igi_json_member(root, "regions");
     char *path;
-    IGI_TRY(named_path(ctx, &mesh, scene->folder, &path));
+    IGI_TRY(named_path(ctx, &mesh, scene, &path));
     igi_status status = igi_mesh_load(ctx, scene, path);
     igi_free(path);
     if (status == IGI_OK && regions.value) status = igi_regions_read(ctx, &regions, scene);
@@ -149,7 +161,7 @@ static igi_status read_cameras(igi_context *ctx, const igi_json *root, igi_scene
 {
     igi_json cameras = igi_json_member(root, "cameras");
     char *path;
-    IGI_TRY(named_path(ctx, &cameras, scene->folder, &path));
+    IGI_TRY(named_path(ctx, &cameras, scene, &path));
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(igi_frames_load(ctx, path, &scene->frames, &scene->frame_count));
     IGI_TRY_GOTO(check_presence(ctx, scene, path));
@@ -232,6 +244,7 @@ igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **sc
         IGI_TRY_GOTO(igi_path_folder(context, path, &s->folder));
         IGI_TRY_GOTO(igi_strdup(context, path, &manifest));
     }
+    IGI_TRY_GOTO(note_file(context, s, manifest));
     IGI_TRY_GOTO(read_manifest(context, manifest, s));
     *scene = s;
     s = NULL;
@@ -246,10 +259,12 @@ void igi_scene_destroy(igi_scene *scene)
 {
     if (!scene) return;
     for (size_t i = 0; i < scene->region_count; i++) igi_free(scene->regions[i].name);
+    for (size_t i = 0; i < scene->file_count; i++) igi_free(scene->files[i]);
     for (size_t i = 0; i < scene->warning_count; i++) igi_free(scene->warnings[i]);
     igi_frames_destroy(scene->frames, scene->frame_count);
     igi_lights_destroy(scene->lights, scene->light_count);
     igi_free(scene->regions);
+    igi_free(scene->files);
     igi_free(scene->warnings);
     igi_free(scene->mesh.positions);
     igi_free(scene->mesh.triangles);

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Numbers to colours, and pictures to bytes for a page.
+ */
+#ifndef IGI_SRC_REPORT_COLOUR_H
+#define IGI_SRC_REPORT_COLOUR_H
+
+#include "base/context.h"
+
+#include <igi/image.h>
+
+enum { IGI_SRGB_STEPS = 4096, IGI_RAMP_STOPS = 9 };
+
+/* Linear [0,1] to sRGB bytes (IEC 61966-2-1). */
+typedef struct igi_srgb {
+    uint8_t byte[IGI_SRGB_STEPS];
+} igi_srgb;
+
+void igi_srgb_make(igi_srgb *table);
+
+static inline uint8_t igi_srgb_byte(const igi_srgb *table, float linear)
+{
+    if (!(linear > 0)) return 0;
+    if (linear >= 1) return 255;
+    return table->byte[(int)(linear * (float)(IGI_SRGB_STEPS - 1) + .5f)];
+}
+
+/* Which band stands for red, green (1) or blue (2). */
+static inline int igi_band_of(int colour, int bands)
+{
+    return colour < bands ? colour : bands > 1 ? bands - 1 : 0;
+}
+
+/* Colour ramps with the same stops as the page's legends: `spread` from -1 to 1 (blue, white,
+ * red), `heat` from 0 to 1 (viridis). */
+extern const uint8_t igi_ramp_spread[IGI_RAMP_STOPS][3];
+extern const uint8_t igi_ramp_heat[IGI_RAMP_STOPS][3];
+/* t in [0,1] along the ramp. */
+void igi_ramp_colour(const uint8_t ramp[IGI_RAMP_STOPS][3], float t, uint8_t rgb[3]);
+
+/* The image at most `side` pixels wide and high: *small is a copy. */
+IGI_MUST_USE igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side,
+                                         igi_image **small);
+
+#endif

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * report.html: one page that needs nothing but itself. Pictures are inside, nothing is fetched.
+ */
+#include "report/page.h"
+
+#include <igi/output.h>
+#include <igi/report.h>
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void igi_page_text(const igi_page *page, const char *text)
+{
+    for (; *text; text++) switch (*text) {
+        case '<': fputs("&lt;", page->file); break;
+        case '>': fputs("&gt;", page->file); break;
+        case '&': fputs("&amp;", page->file); break;
+        case '"': fputs("&quot;", page->file); break;
+        default: putc(*text, page->file);
+        }
+}
+
+static void print_base64(FILE *f, const uint8_t *bytes, size_t size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char block[4096];
+    size_t at = 0;
+    for (size_t i = 0; i < size; i += 3) {
+        uint32_t triple = (uint32_t)bytes[i] << 16;
+        if (i + 1 < size) triple |= (uint32_t)bytes[i + 1] << 8;
+        if (i + 2 < size) triple |= bytes[i + 2];
+        block[at++] = digits[triple >> 18];
+        block[at++] = digits[triple >> 12 & 63];
+        block[at++] = i + 1 < size ? digits[triple >> 6 & 63] : '=';
+        block[at++] = i + 2 < size ? digits[triple & 63] : '=';
+        if (at == sizeof block || i + 3 >= size) {
+            fwrite(block, 1, at, f);
+            at = 0;
+        }
+    }
+}
+
+void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label)
+{
+    fprintf(page->file, "<img alt=\"%s\" src=\"data:image/png;base64,", label);
+    print_base64(page->file, bytes, size);
+    fputs("\">", page->file);
+}
+
+igi_status igi_page_png_file(const igi_page *page, const char *path, const char *label)
+{
+    igi_status status = IGI_OK;
+    uint8_t *bytes = NULL;
+    size_t size = 0, capacity = 0;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        IGI_TRY_GOTO(igi_fail(page->ctx, IGI_E_SYSTEM, "%s: cannot be read (%s); recover again",
+                              path, strerror(errno)));
+    for (size_t n = 1; n > 0; size += n) {
+        uint8_t *grown = igi_grow(page->ctx, bytes, &capacity, size + 65536, 1);
+        if (!grown) IGI_TRY_GOTO(IGI_E_SYSTEM);
+        bytes = grown;
+        n = fread(bytes + size, 1, 65536, file);
+    }
+    igi_page_png(page, bytes, size, label);
+cleanup:
+    if (file) fclose(file);
+    igi_free(bytes);
+    return status;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The middle one of the determined regions' relative sigmas; NaN when there is none. */
+static double typical_share(const igi_page *page, size_t *determined, size_t *surfaces)
+{
+    double shares[512];
+    size_t count = 0;
+    *determined = *surfaces = 0;
+    for (size_t i = 0; i < page->materials->count; i++) {
+        const igi_material *m = &page->materials->materials[i];
+        *surfaces += !m->emitter;
+        *determined += m->determined;
+        if (m->determined && count < 512)
+            shares[count++] = igi_material_share(m, page->materials->bands);
+    }
+    qsort(shares, count, sizeof *shares, compare_doubles);
+    return count ? shares[count / 2] : (double)NAN;
+}
+
+static void print_tiles(const igi_page *page)
+{
+    FILE *f = page->file;
+    const json_t *stages = json_object_get(page->manifest, "stages");
+    size_t determined, surfaces;
+    double share = typical_share(page, &determined, &surfaces), cpu = 0, rays = 0, memory = 0;
+    fprintf(f, "<dl class=\"tiles\"><div><dt>regions determined</dt><dd>%zu of %zu</dd></div>"
+               "<div><dt>typical 1&thinsp;&sigma; of albedo</dt><dd>", determined, surfaces);
+    igi_page_percent(page, share);
+    fputs("</dd></div>", f);
+    for (size_t i = 0; i < json_array_size(stages); i++) {
+        const json_t *s = json_array_get(stages, i);
+        cpu += json_number_value(json_object_get(s, "cpu_s"));
+        rays += json_number_value(json_object_get(s, "rays"));
+        memory = fmax(memory, json_number_value(json_object_get(s, "peak_bytes")));
+    }
+    if (json_array_size(stages) > 0)
+        fprintf(f, "<div><dt>CPU time</dt><dd>%.2f s</dd></div><div><dt>rays</dt><dd>%.1f million</dd>"
+                   "</div><div><dt>peak memory</dt><dd>%.0f MB</dd></div>",
+                cpu, rays * 1e-6, memory * 1e-6);
+    fputs("</dl>\n", f);
+}
+
+static void print_head(const igi_page *page)
+{
+    FILE *f = page->file;
+    const char *name = page->materials->scene[0] ? page->materials->scene : "a scene";
+    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+          "content=\"width=device-width,initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
+          "<title>", f);
+    igi_page_text(page, name);
+    fputs(" &middot; igi</title>\n<style>\n", f);
+    for (const char *const *line = igi_page_style; *line; line++) fprintf(f, "%s\n", *line);
+    fputs("</style></head><body><main>\n<header><p class=\"kicker\">igi &middot; inverse global "
+          "illumination</p><h1>", f);
+    igi_page_text(page, name);
+    fputs("</h1><p class=\"lead\">What its surfaces are made of, recovered from photographs, and how "
+          "far they can be trusted.</p></header>\n", f);
+    print_tiles(page);
+    if (page->materials->warning_count == 0) return;
+    fputs("<div class=\"warnings\"><b>Warnings</b><ul>", f);
+    for (size_t i = 0; i < page->materials->warning_count; i++) {
+        fputs("<li>", f);
+        igi_page_text(page, page->materials->warnings[i]);
+        fputs("</li>", f);
+    }
+    fputs("</ul></div>\n", f);
+}
+
+static void print_meaning(const igi_page *page)
+{
+    fputs("<section><h2>What the error bars mean</h2><p>An albedo is the light that leaves a surface "
+          "over the light that arrives, &rho; = &pi;&thinsp;L / E. One standard deviation "
+          "(1&thinsp;&sigma;) holds the photographs' noise, the sampling of the arriving light, and "
+          "the doubt about lights and surfaces that had to be solved for. If these were all the "
+          "errors there are, two of three true values would lie within it, and nineteen of twenty "
+          "within twice it.</p><p>It does not hold what the model cannot know: wrong geometry or "
+          "cameras, a lamp missing from the list, a camera whose response was not undone. An error "
+          "of scale common to all photographs and lights moves albedos by about (1 &minus; &rho;) "
+          "of itself.</p></section>\n", page->file);
+}
+
+static igi_status print_page(const igi_page *page)
+{
+    print_head(page);
+    igi_page_table(page);
+    IGI_TRY(igi_page_maps(page));
+    IGI_TRY(igi_page_views(page));
+    print_meaning(page);
+    igi_page_costs(page);
+    igi_page_provenance(page);
+    fputs("</main>\n<script>\n", page->file);
+    for (const char *const *line = igi_page_script; *line; line++) fprintf(page->file, "%s\n", *line);
+    fputs("</script></body></html>\n", page->file);
+    return IGI_OK;
+}
+
+/* A JSON file of the result; *root is NULL when there is none. */
+static igi_status read_json(const igi_page *page, const char *name, json_t **root)
+{
+    igi_status status = IGI_OK;
+    json_error_t error;
+    char *path = NULL;
+    IGI_TRY(igi_strprintf(page->ctx, &path, "%s/%s", page->folder, name));
+    if (access(path, F_OK) == 0 && !(*root = json_load_file(path, 0, &error)))
+        status = igi_fail(page->ctx, IGI_E_DATA, "%s:%d: %s", path, error.line, error.text);
+    igi_free(path);
+    return status;
+}
+
+/* Beside, then renamed. */
+static igi_status write_page(igi_page *page, const char *path)
+{
+    igi_status status = IGI_OK;
+    char *beside = NULL;
+    IGI_TRY_GOTO(igi_strprintf(page->ctx, &beside, "%s.%ld.part", path, (long)getpid()));
+    page->file = fopen(beside, "w");
+    if (page->file) IGI_TRY_GOTO(print_page(page));
+    bool written = page->file && !ferror(page->file);
+    if (page->file && fclose(page->file) != 0) written = false;
+    page->file = NULL;
+    if (!written || rename(beside, path))
+        IGI_TRY_GOTO(igi_fail(page->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder "
+                              "and the disk", path, strerror(errno)));
+cleanup:
+    if (page->file) fclose(page->file);
+    if (status != IGI_OK && beside) unlink(beside);
+    igi_free(beside);
+    return status;
+}
+
+igi_status igi_report(igi_context *ctx, const char *folder)
+{
+    igi_status status = IGI_OK;
+    igi_materials *materials = NULL;
+    char *path = NULL;
+    igi_page page = {.ctx = ctx, .folder = folder};
+    igi_srgb_make(&page.srgb);
+    IGI_TRY_GOTO(igi_materials_load(ctx, folder, &materials));
+    page.materials = materials;
+    IGI_TRY_GOTO(read_json(&page, "manifest.json", &page.manifest));
+    IGI_TRY_GOTO(read_json(&page, "comparison/index.json", &page.comparisons));
+    IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/report.html", folder));
+    IGI_TRY_GOTO(write_page(&page, path));
+cleanup:
+    json_decref(page.manifest);
+    json_decref(page.comparisons);
+    igi_materials_destroy(materials);
+    igi_free(path);
+    return status;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The page's parts share this.
+ */
+#ifndef IGI_SRC_REPORT_PAGE_H
+#define IGI_SRC_REPORT_PAGE_H
+
+#include "report/colour.h"
+
+#include <igi/material.h>
+
+#include <jansson.h>
+#include <stdio.h>
+
+typedef struct igi_page {
+    igi_context *ctx;
+    const char *folder; /* of the result */
+    FILE *file;
+    const igi_materials *materials;
+    json_t *manifest;    /* NULL when there is none */
+    json_t *comparisons; /* index.json; NULL likewise */
+    igi_srgb srgb;
+} igi_page;
+
+/* The style sheet and the script, line by line, ended by NULL. */
+extern const char *const igi_page_style[];
+extern const char *const igi_page_script[];
+
+/* Text with HTML's characters escaped. */
+void igi_page_text(const igi_page *page, const char *text);
+/* An <img> with the bytes inside; `label` is its alternative text. */
+void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label);
+/* The same of a PNG file. */
+IGI_MUST_USE igi_status igi_page_png_file(const igi_page *page, const char *path,
+                                          const char *label);
+/* "0.031 %" or so. */
+void igi_page_percent(const igi_page *page, double fraction);
+/* Largest sigma/albedo over the bands. */
+double igi_material_share(const igi_material *material, int bands);
+
+/* Sections. */
+void igi_page_table(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_views(const igi_page *page);
+void igi_page_costs(const igi_page *page);
+void igi_page_provenance(const igi_page *page);
+
+#endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Errors against truth. A relative error is |got - want| / max(want, .02): the floor keeps black
+ * surfaces from ruling the mean.
+ */
+#include "report/resample.h"
+
+#include <igi/report.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FLOOR 0.02
+#define LEAST_SEEN 0.2       /* of a region's area, to be judged */
+#define DETERMINED 0.5f      /* a map's A, to be judged */
+
+static double relative(double got, double want)
+{
+    return fabs(got - want) / fmax(want, FLOOR);
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sorts; the mean of the middle two when the count is even; NaN of nothing. */
+static double median(double *x, size_t count)
+{
+    if (count == 0) return (double)NAN;
+    qsort(x, count, sizeof *x, compare_doubles);
+    return (x[(count - 1) / 2] + x[count / 2]) / 2;
+}
+
+static double mean(const double *x, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) sum += x[i];
+    return count ? sum / (double)count : (double)NAN;
+}
+
+typedef struct albedos {
+    double got[IGI_MAX_BANDS], want[IGI_MAX_BANDS];
+} albedos;
+
+/* Texel by texel over what the photographs determine; the albedos become the means over it. */
+static igi_status compare_texels(igi_context *ctx, const igi_image *got, const igi_image *want,
+                                 int bands, igi_region_error *error, albedos *means)
+{
+    size_t texels = (size_t)want->width * (size_t)want->height, seen = 0, count = 0;
+    size_t step = (size_t)bands + 1; /* maps have their A last */
+    double *errors = NULL, sums[2][IGI_MAX_BANDS] = {{0}};
+    IGI_TRY(IGI_ALLOC(ctx, texels * (size_t)bands, &errors));
+    for (size_t i = 0; i < texels; i++) {
+        const float *g = got->samples + i * step, *w = want->samples + i * step;
+        if (!(g[bands] > DETERMINED)) continue;
+        seen++;
+        for (int b = 0; b < bands; b++) {
+            errors[count++] = relative((double)g[b], (double)w[b]);
+            sums[0][b] += (double)g[b];
+            sums[1][b] += (double)w[b];
+        }
+    }
+    for (int b = 0; seen && b < bands; b++) {
+        means->got[b] = sums[0][b] / (double)seen;
+        means->want[b] = sums[1][b] / (double)seen;
+    }
+    error->texture_mean = mean(errors, count);
+    error->texture_median = median(errors, count);
+    error->texture_seen = (double)seen / (double)texels;
+    igi_free(errors);
+    return IGI_OK;
+}
+
+static igi_status compare_maps(igi_context *ctx, const igi_material *got, const igi_material *want,
+                               int bands, igi_region_error *error, albedos *means)
+{
+    const igi_image *target = want->map, *map = got->map;
+    igi_image *resampled = NULL;
+    if (map->width != target->width || map->height != target->height)
+        IGI_TRY(igi_image_resample(ctx, map, target->width, target->height, &resampled));
+    igi_status status =
+        compare_texels(ctx, resampled ? resampled : map, target, bands, error, means);
+    igi_image_destroy(resampled);
+    return status;
+}
+
+static double largest_sigmas(const igi_material *got, const albedos *a, int bands)
+{
+    double largest = (double)NAN;
+    for (int b = 0; b < bands; b++) {
+        if (!(got->albedo_std[b] > 0) || isinf(got->albedo_std[b])) continue;
+        largest = fmax(largest, fabs(a->got[b] - a->want[b]) / got->albedo_std[b]);
+    }
+    return largest;
+}
+
+static igi_status compare_region(igi_context *ctx, const igi_material *got,
+                                 const igi_material *want, int bands, igi_region_error *error)
+{
+    albedos a;
+    memcpy(a.got, got->albedo, sizeof a.got);
+    memcpy(a.want, want->albedo, sizeof a.want);
+    if (got->map && want->map) IGI_TRY(compare_maps(ctx, got, want, bands, error, &a));
+    error->albedo = 0;
+    for (int b = 0; b < bands; b++) error->albedo += relative(a.got[b], a.want[b]) / bands;
+    error->sigmas = largest_sigmas(got, &a, bands);
+    error->got = got->model;
+    if (want->model == IGI_LAMBERT) return IGI_OK;
+    error->specular = fabs(got->specular - want->specular) / want->specular;
+    error->alpha = got->alpha > 0 ? fabs(got->alpha - want->alpha) / want->alpha : 1;
+    return IGI_OK;
+}
+
+static const igi_material *find(const igi_materials *materials, const char *region)
+{
+    for (size_t i = 0; i < materials->count; i++)
+        if (strcmp(materials->materials[i].region, region) == 0) return &materials->materials[i];
+    return NULL;
+}
+
+static igi_status compare_all(igi_context *ctx, const igi_materials *got,
+                              const igi_materials *want, igi_validation *v)
+{
+    for (size_t i = 0; i < want->count; i++) {
+        const igi_material *w = &want->materials[i], *g = find(got, w->region);
+        igi_region_error *error = &v->regions[v->region_count++];
+        const double none = (double)NAN;
+        *error = (igi_region_error){.albedo = none, .texture_median = none, .texture_mean = none,
+                                    .texture_seen = none, .specular = none, .alpha = none,
+                                    .sigmas = none, .want = w->model};
+        IGI_TRY(igi_strdup(ctx, w->region, &error->region));
+        error->judged = !w->emitter && w->observed >= LEAST_SEEN;
+        error->missing = error->judged && !g;
+        if (error->missing) error->albedo = 1;
+        if (error->judged && g) IGI_TRY(compare_region(ctx, g, w, want->bands, error));
+    }
+    return IGI_OK;
+}
+
+static void collect(const igi_validation *v, size_t field, double *values, size_t *count)
+{
+    *count = 0;
+    for (size_t i = 0; i < v->region_count; i++) {
+        const char *region = (const char *)&v->regions[i];
+        double x;
+        memcpy(&x, region + field, sizeof x);
+        if (v->regions[i].judged && !isnan(x)) values[(*count)++] = x;
+    }
+}
+
+static igi_status summarise(igi_context *ctx, igi_validation *v)
+{
+    double *x = NULL;
+    size_t n = 0;
+    IGI_TRY(IGI_ALLOC(ctx, v->region_count, &x));
+    collect(v, offsetof(igi_region_error, specular), x, &n);
+    v->specular_mean = mean(x, n);
+    collect(v, offsetof(igi_region_error, alpha), x, &n);
+    v->alpha_mean = mean(x, n);
+    collect(v, offsetof(igi_region_error, texture_median), x, &n);
+    v->texture_median = mean(x, n);
+    collect(v, offsetof(igi_region_error, albedo), x, &n);
+    v->albedo_mean = mean(x, n);
+    v->albedo_median = median(x, n);
+    v->albedo_max = n ? x[n - 1] : (double)NAN; /* the median has sorted them */
+    igi_free(x);
+    for (size_t i = 0; i < v->region_count; i++) {
+        const igi_region_error *r = &v->regions[i];
+        if (!r->judged || r->missing) continue;
+        bool got = r->got != IGI_LAMBERT, want = r->want != IGI_LAMBERT;
+        v->models++;
+        v->models_right += r->got == r->want;
+        v->glossy_right += got && want;
+        v->glossy_false += got && !want;
+        v->glossy_missed += !got && want;
+    }
+    return IGI_OK;
+}
+
+igi_status igi_validate(igi_context *ctx, const char *folder, const char *truth_folder,
+                        igi_validation **validation)
+{
+    igi_status status = IGI_OK;
+    igi_materials *got = NULL, *want = NULL;
+    igi_validation *v = NULL;
+    *validation = NULL;
+    IGI_TRY_GOTO(igi_materials_load(ctx, folder, &got));
+    IGI_TRY_GOTO(igi_materials_load(ctx, truth_folder, &want));
+    if (got->bands != want->bands)
+        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "%s: has %d bands, the truth in %s has %d; compare "
+                              "results of the same scene", folder, got->bands, truth_folder,
+                              want->bands));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &v));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, want->count, &v->regions));
+    IGI_TRY_GOTO(compare_all(ctx, got, want, v));
+    IGI_TRY_GOTO(summarise(ctx, v));
+    *validation = v;
+    v = NULL;
+cleanup:
+    igi_validation_destroy(v);
+    igi_materials_destroy(got);
+    igi_materials_destroy(want);
+    return status;
+}
+
+void igi_validation_destroy(igi_validation *validation)
+{
+    if (!validation) return;
+    for (size_t i = 0; validation->regions && i < validation->region_count; i++)
+        igi_free(validation->regions[i].region);
+    igi_free(validation->regions);
+    igi_free(validation);
+}
