@@ -1,0 +1,381 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * scene.glb: the mesh with the recovered materials as binary glTF 2.0.
+ *
+ * glTF's core material is a metal-rough GGX. A dielectric there has F0 = .04, which
+ * KHR_materials_specular scales: specularColorFactor = rho_s/.04 makes F0 = rho_s, and
+ * specularFactor = 0 a lambert surface. Roughness is sqrt(alpha). glTF is Y-up with the origin of
+ * texture coordinates at the top left: a node turns our Z up, and v becomes 1 - v.
+ */
+#include "material/material.h"
+
+#include <errno.h>
+#include <float.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { FLOATS = 5126, UINTS = 5125, VERTICES = 34962, INDICES = 34963 };
+
+typedef struct glb {
+    igi_context *ctx;
+    const igi_materials *materials;
+    const igi_scene *scene;
+    uint8_t *bytes; /* the binary chunk */
+    size_t size, capacity;
+    json_t *views, *accessors, *meshes, *nodes, *material_list, *textures, *images, *lights;
+    json_t *children; /* of the root node */
+    int positions;    /* accessor of all vertices; -1 until it is needed */
+} glb;
+
+static igi_status full(const glb *g)
+{
+    return igi_fail(g->ctx, IGI_E_SYSTEM, "scene.glb: memory ran out, or a name is not UTF-8");
+}
+
+/* Room for `size` bytes, aligned to four, and a buffer view of it (target 0: none). */
+static igi_status add_view(glb *g, size_t size, int target, size_t *offset, int *view)
+{
+    size_t padded = (size + 3) & ~(size_t)3;
+    uint8_t *grown = igi_grow(g->ctx, g->bytes, &g->capacity, g->size + padded, 1);
+    if (!grown) return IGI_E_SYSTEM;
+    g->bytes = grown;
+    memset(g->bytes + g->size, 0, padded);
+    *offset = g->size;
+    *view = (int)json_array_size(g->views);
+    json_t *o = json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)g->size,
+                          "byteLength", (json_int_t)size);
+    if (target) json_object_set_new(o, "target", json_integer(target));
+    g->size += padded;
+    return json_array_append_new(g->views, o) ? full(g) : IGI_OK;
+}
+
+static igi_status add_accessor(glb *g, int view, int type, const char *shape, size_t count,
+                               int *accessor)
+{
+    *accessor = (int)json_array_size(g->accessors);
+    json_t *o = json_pack("{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType", type, "count",
+                          (json_int_t)count, "type", shape);
+    return json_array_append_new(g->accessors, o) ? full(g) : IGI_OK;
+}
+
+/* Positions need their bounds. */
+static igi_status add_positions(glb *g, const float *points, size_t count, int *accessor)
+{
+    size_t offset;
+    int view;
+    float low[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, high[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    IGI_TRY(add_view(g, count * 3 * sizeof *points, VERTICES, &offset, &view));
+    memcpy(g->bytes + offset, points, count * 3 * sizeof *points);
+    for (size_t i = 0; i < 3 * count; i++) {
+        low[i % 3] = fminf(low[i % 3], points[i]);
+        high[i % 3] = fmaxf(high[i % 3], points[i]);
+    }
+    IGI_TRY(add_accessor(g, view, FLOATS, "VEC3", count, accessor));
+    json_t *o = json_array_get(g->accessors, (size_t)*accessor);
+    int bad = json_object_set_new(o, "min", json_pack("[f,f,f]", (double)low[0], (double)low[1],
+                                                      (double)low[2]));
+    bad |= json_object_set_new(o, "max", json_pack("[f,f,f]", (double)high[0], (double)high[1],
+                                                   (double)high[2]));
+    return bad ? full(g) : IGI_OK;
+}
+
+static size_t count_triangles(const igi_mesh *mesh, size_t region)
+{
+    size_t count = 0;
+    for (size_t t = 0; t < mesh->triangle_count; t++) count += mesh->regions[t] == region;
+    return count;
+}
+
+/* Vertices are shared where there is no texture. */
+static igi_status add_shared(glb *g, size_t region, size_t triangles, json_t *primitive)
+{
+    const igi_mesh *mesh = &g->scene->mesh;
+    size_t offset;
+    int view, accessor;
+    if (g->positions < 0)
+        IGI_TRY(add_positions(g, mesh->positions, mesh->vertex_count, &g->positions));
+    IGI_TRY(add_view(g, triangles * 3 * sizeof(uint32_t), INDICES, &offset, &view));
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        if (mesh->regions[t] != region) continue;
+        memcpy(g->bytes + offset, mesh->triangles + 3 * t, 3 * sizeof(uint32_t));
+        offset += 3 * sizeof(uint32_t);
+    }
+    IGI_TRY(add_accessor(g, view, UINTS, "SCALAR", 3 * triangles, &accessor));
+    json_object_set_new(primitive, "indices", json_integer(accessor));
+    return json_object_set_new(primitive, "attributes", json_pack("{s:i}", "POSITION", g->positions))
+               ? full(g)
+               : IGI_OK;
+}
+
+/* Texture coordinates belong to corners, so a textured region has vertices of its own. */
+static igi_status add_textured(glb *g, size_t region, size_t triangles, json_t *primitive)
+{
+    const igi_mesh *mesh = &g->scene->mesh;
+    igi_status status = IGI_OK;
+    float *points = NULL;
+    size_t offset, corner = 0;
+    int view, position, uv;
+    IGI_TRY_GOTO(IGI_ALLOC(g->ctx, triangles * 9, &points));
+    IGI_TRY_GOTO(add_view(g, triangles * 6 * sizeof(float), VERTICES, &offset, &view));
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        if (mesh->regions[i / 3] != region) continue;
+        float coordinates[2] = {mesh->uvs[2 * i], 1 - mesh->uvs[2 * i + 1]};
+        memcpy(g->bytes + offset, coordinates, sizeof coordinates);
+        offset += sizeof coordinates;
+        memcpy(points + 3 * corner++, mesh->positions + 3 * (size_t)mesh->triangles[i],
+               3 * sizeof(float));
+    }
+    IGI_TRY_GOTO(add_accessor(g, view, FLOATS, "VEC2", corner, &uv));
+    IGI_TRY_GOTO(add_positions(g, points, corner, &position));
+    if (json_object_set_new(primitive, "attributes",
+                            json_pack("{s:i, s:i}", "POSITION", position, "TEXCOORD_0", uv)))
+        IGI_TRY_GOTO(full(g));
+cleanup:
+    igi_free(points);
+    return status;
+}
+
+static double srgb(double x)
+{
+    x = fmin(fmax(x, 0), 1);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+/* A map's first three bands as PNG, and a texture of it. */
+static igi_status add_texture(glb *g, const igi_image *map, int *texture)
+{
+    igi_status status = IGI_OK;
+    size_t texels = (size_t)map->width * (size_t)map->height, size, offset;
+    int bands = g->materials->bands, view;
+    uint8_t *pixels = NULL, *png = NULL, table[4096];
+    for (int i = 0; i < 4096; i++) table[i] = (uint8_t)(255 * srgb(i / 4095.0) + .5);
+    IGI_TRY_GOTO(IGI_ALLOC(g->ctx, 3 * texels, &pixels));
+    for (size_t i = 0; i < 3 * texels; i++) {
+        int band = (int)(i % 3) < bands ? (int)(i % 3) : bands - 1;
+        float x = map->samples[i / 3 * (size_t)map->channels + (size_t)band];
+        pixels[i] = table[x > 0 ? (int)(fminf(x, 1) * 4095 + .5f) : 0];
+    }
+    IGI_TRY_GOTO(igi_image_encode_png(g->ctx, pixels, map->width, map->height, 3, &png, &size));
+    IGI_TRY_GOTO(add_view(g, size, 0, &offset, &view));
+    memcpy(g->bytes + offset, png, size);
+    *texture = (int)json_array_size(g->textures);
+    int bad = json_array_append_new(
+        g->images, json_pack("{s:i, s:s}", "bufferView", view, "mimeType", "image/png"));
+    bad |= json_array_append_new(g->textures, json_pack("{s:i}", "source", *texture));
+    if (bad) IGI_TRY_GOTO(full(g));
+cleanup:
+    igi_image_free_bytes(png);
+    igi_free(pixels);
+    return status;
+}
+
+static json_t *colour(const double *x, int bands, double scale)
+{
+    return json_pack("[f,f,f]", scale * x[0], scale * x[bands > 1 ? 1 : 0],
+                     scale * x[bands > 2 ? 2 : bands - 1]);
+}
+
+/* Radiance becomes a factor of at most one and its strength. */
+static int put_emission(const glb *g, size_t region, json_t *o, json_t *extensions)
+{
+    int bands = g->materials->bands, bad = 0;
+    for (size_t i = 0; i < g->materials->light_count; i++) {
+        const igi_light *l = &g->materials->lights[i];
+        if (l->type != IGI_LIGHT_AREA || l->region != (int)region) continue;
+        double most = 0;
+        for (int b = 0; b < bands; b++) most = fmax(most, l->value[b]);
+        if (!(most > 0)) continue;
+        bad |= json_object_set_new(o, "emissiveFactor", colour(l->value, bands, 1 / most));
+        bad |= json_object_set_new(extensions, "KHR_materials_emissive_strength",
+                                   json_pack("{s:f}", "emissiveStrength", most));
+    }
+    return bad;
+}
+
+static igi_status add_material(glb *g, size_t region, bool textured)
+{
+    const igi_material *m = &g->materials->materials[region];
+    int bands = g->materials->bands, texture = 0;
+    bool glossy = m->model != IGI_LAMBERT;
+    double black[IGI_MAX_BANDS] = {0}, flat[IGI_MAX_BANDS];
+    for (int b = 0; b < IGI_MAX_BANDS; b++) flat[b] = m->specular;
+    const double *base = m->emitter ? black : m->albedo;
+    const double *lobe = m->specular_is_rgb ? m->specular_rgb : flat;
+    json_t *factor = textured ? json_pack("[f,f,f]", 1.0, 1.0, 1.0) : colour(base, bands, 1);
+    json_array_append_new(factor, json_real(1));
+    json_t *pbr = json_pack("{s:o, s:f, s:f}", "baseColorFactor", factor, "metallicFactor", 0.0,
+                            "roughnessFactor", glossy ? sqrt(m->alpha) : 1.0);
+    if (textured) {
+        igi_status status = add_texture(g, m->map, &texture);
+        json_object_set_new(pbr, "baseColorTexture", json_pack("{s:i}", "index", texture));
+        if (status != IGI_OK) json_decref(pbr);
+        IGI_TRY(status);
+    }
+    json_t *specular = glossy ? json_pack("{s:o}", "specularColorFactor", colour(lobe, bands, 25))
+                              : json_pack("{s:f}", "specularFactor", 0.0);
+    json_t *extensions = json_pack("{s:o}", "KHR_materials_specular", specular);
+    json_t *o = json_pack("{s:s, s:b, s:o}", "name", m->region, "doubleSided", !m->emitter,
+                          "pbrMetallicRoughness", pbr);
+    int bad = m->emitter ? put_emission(g, region, o, extensions) : 0;
+    bad |= json_object_set_new(o, "extensions", extensions);
+    bad |= json_array_append_new(g->material_list, o);
+    return bad ? full(g) : IGI_OK;
+}
+
+static int add_child(glb *g, json_t *node)
+{
+    int bad = json_array_append_new(g->children, json_integer((json_int_t)json_array_size(g->nodes)));
+    return bad | json_array_append_new(g->nodes, node);
+}
+
+static igi_status add_region(glb *g, size_t region)
+{
+    const igi_material *m = &g->materials->materials[region];
+    const igi_mesh *mesh = &g->scene->mesh;
+    size_t triangles = count_triangles(mesh, region);
+    bool textured = m->map && mesh->uvs && g->scene->regions[region].has_uvs && !m->emitter;
+    IGI_TRY(add_material(g, region, textured));
+    if (triangles == 0) return IGI_OK;
+    json_t *primitive = json_pack("{s:i}", "material", (int)json_array_size(g->material_list) - 1);
+    igi_status status = textured ? add_textured(g, region, triangles, primitive)
+                                 : add_shared(g, region, triangles, primitive);
+    int bad = add_child(g, json_pack("{s:s, s:i}", "name", m->region, "mesh",
+                                     (int)json_array_size(g->meshes)));
+    bad |= json_array_append_new(
+        g->meshes, json_pack("{s:s, s:[o]}", "name", m->region, "primitives", primitive));
+    IGI_TRY(status);
+    return bad ? full(g) : IGI_OK;
+}
+
+/* The rotation that turns -Z to `d`: half way between the two, as a quaternion. */
+static json_t *rotation_to(const double d[3])
+{
+    double q[4] = {d[1], -d[0], 0, 1 - d[2]}; /* cross(-Z, d), 1 + dot(-Z, d) */
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[3] * q[3]);
+    if (length < 1e-9) return json_pack("[f,f,f,f]", 1.0, 0.0, 0.0, 0.0);
+    return json_pack("[f,f,f,f]", q[0] / length, q[1] / length, 0.0, q[3] / length);
+}
+
+/* Point, spot and directional; glTF knows no others. */
+static igi_status add_light(glb *g, const igi_light *l)
+{
+    static const double degree = 3.14159265358979323846 / 180;
+    bool spot = l->type == IGI_LIGHT_SPOT, directional = l->type == IGI_LIGHT_DIRECTIONAL;
+    double most = 0;
+    int bands = g->materials->bands;
+    for (int b = 0; b < bands; b++) most = fmax(most, l->value[b]);
+    if (!(spot || directional || l->type == IGI_LIGHT_POINT) || !(most > 0)) return IGI_OK;
+    json_t *o = json_pack("{s:s, s:o, s:f}", "type", igi_light_type_name(l->type), "color",
+                          colour(l->value, bands, 1 / most), "intensity", most);
+    if (spot)
+        json_object_set_new(o, "spot", json_pack("{s:f, s:f}", "innerConeAngle",
+                                                 l->beam_deg * degree, "outerConeAngle",
+                                                 l->cutoff_deg * degree));
+    json_t *node = json_pack("{s:{s:{s:i}}}", "extensions", "KHR_lights_punctual", "light",
+                             (int)json_array_size(g->lights));
+    if (!directional)
+        json_object_set_new(node, "translation",
+                            json_pack("[f,f,f]", l->position[0], l->position[1], l->position[2]));
+    if (spot || directional) json_object_set_new(node, "rotation", rotation_to(l->direction));
+    int bad = json_array_append_new(g->lights, o) | add_child(g, node);
+    return bad ? full(g) : IGI_OK;
+}
+
+static void set_if_any(json_t *root, const char *key, json_t *array)
+{
+    if (json_array_size(array) > 0) json_object_set(root, key, array);
+}
+
+static json_t *make_root(const glb *g)
+{
+    json_t *root = json_object();
+    json_object_set_new(root, "asset", json_pack("{s:s, s:s}", "version", "2.0", "generator", "igi"));
+    json_t *used = json_pack("[s, s]", "KHR_materials_specular", "KHR_materials_emissive_strength");
+    if (json_array_size(g->lights) > 0) {
+        json_array_append_new(used, json_string("KHR_lights_punctual"));
+        json_object_set_new(root, "extensions", json_pack("{s:{s:O}}", "KHR_lights_punctual",
+                                                          "lights", g->lights));
+    }
+    json_object_set_new(root, "extensionsUsed", used);
+    json_object_set_new(root, "scene", json_integer(0));
+    json_object_set_new(root, "scenes", json_pack("[{s:s?, s:[i]}]", "name", g->materials->scene,
+                                                  "nodes", (int)json_array_size(g->nodes) - 1));
+    json_object_set(root, "nodes", g->nodes);
+    set_if_any(root, "meshes", g->meshes);
+    set_if_any(root, "materials", g->material_list);
+    set_if_any(root, "textures", g->textures);
+    set_if_any(root, "images", g->images);
+    set_if_any(root, "accessors", g->accessors);
+    set_if_any(root, "bufferViews", g->views);
+    if (g->size > 0)
+        json_object_set_new(root, "buffers",
+                            json_pack("[{s:I}]", "byteLength", (json_int_t)g->size));
+    return root;
+}
+
+static void put_u32(uint8_t *to, size_t x)
+{
+    for (int i = 0; i < 4; i++) to[i] = (uint8_t)(x >> (8 * i));
+}
+
+/* The header, the JSON chunk padded with blanks, the binary chunk. */
+static igi_status write_file(const glb *g, const char *path)
+{
+    json_t *root = make_root(g);
+    char *json = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    json_decref(root);
+    if (!json) return full(g);
+    size_t length = strlen(json), padding = (4 - length % 4) % 4;
+    size_t total = 12 + 8 + length + padding + (g->size ? 8 + g->size : 0);
+    uint8_t head[20], binary[8];
+    memcpy(head, "glTF\2\0\0\0", 8);
+    put_u32(head + 8, total);
+    put_u32(head + 12, length + padding);
+    memcpy(head + 16, "JSON", 4);
+    put_u32(binary, g->size);
+    memcpy(binary + 4, "BIN\0", 4);
+    FILE *file = total <= UINT32_MAX ? fopen(path, "wb") : NULL;
+    bool good = file && fwrite(head, 1, sizeof head, file) == sizeof head &&
+                fwrite(json, 1, length, file) == length &&
+                fwrite("   ", 1, padding, file) == padding;
+    if (good && g->size)
+        good = fwrite(binary, 1, 8, file) == 8 && fwrite(g->bytes, 1, g->size, file) == g->size;
+    if (file && fclose(file) != 0) good = false;
+    json_free_t release;
+    json_get_alloc_funcs(NULL, &release);
+    release(json);
+    if (good) return IGI_OK;
+    return igi_fail(g->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
+                    path, total > UINT32_MAX ? "above 4 GB" : strerror(errno));
+}
+
+static igi_status fill(glb *g)
+{
+    for (size_t i = 0; i < g->materials->count; i++) IGI_TRY(add_region(g, i));
+    for (size_t i = 0; i < g->materials->light_count; i++)
+        IGI_TRY(add_light(g, &g->materials->lights[i]));
+    json_t *root = json_pack("{s:s, s:[f,f,f,f]}", "name", "Z up", "rotation", -sqrt(.5), 0.0, 0.0,
+                             sqrt(.5));
+    set_if_any(root, "children", g->children);
+    return json_array_append_new(g->nodes, root) ? full(g) : IGI_OK;
+}
+
+igi_status igi_materials_save_glb(igi_context *ctx, const igi_materials *materials,
+                                  const igi_scene *scene, const char *path)
+{
+    glb g = {.ctx = ctx, .materials = materials, .scene = scene, .positions = -1};
+    json_t **arrays[] = {&g.views,    &g.accessors, &g.meshes, &g.nodes,   &g.material_list,
+                         &g.textures, &g.images,    &g.lights, &g.children};
+    if (materials->count != scene->region_count)
+        return igi_fail(ctx, IGI_E_USAGE, "scene.glb: %zu materials for %zu regions",
+                        materials->count, scene->region_count);
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) *arrays[i] = json_array();
+    igi_status status = fill(&g);
+    if (status == IGI_OK) status = write_file(&g, path);
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) json_decref(*arrays[i]);
+    igi_free(g.bytes);
+    return status;
+}
