@@ -93,14 +93,13 @@ static bool survive(int bands, sampler *points, float *throughput)
 }
 
 /* Turns the ray where the BRDF sends it; false when that is nowhere. */
-static bool go_on(const igi_renderer *r, const surface *s, sampler *points, igi_vec *origin,
-                  igi_vec *direction, float *throughput, float *pdf)
+static bool go_on(const igi_renderer *r, const surface *s, sampler *points, igi_vec *direction,
+                  float *throughput, float *pdf)
 {
     float choice, unused, u, v, value[IGI_MAX_BANDS];
     sampler_next(points, &choice, &unused);
     sampler_next(points, &u, &v);
     *direction = surface_sample(s, choice, u, v);
-    *origin = s->point;
     if (!surface_value(s, r->bands, *direction, value, pdf) || !(*pdf > 0)) return false;
     for (int b = 0; b < r->bands; b++) throughput[b] *= value[b] / *pdf;
     return true;
@@ -110,18 +109,22 @@ uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, in
                     sampler *points, float *radiance)
 {
     float throughput[IGI_MAX_BANDS], pdf = -1;
+    igi_vec normal = {0, 0, 0};
     uint64_t rays = 0;
     for (int b = 0; b < r->bands; b++) throughput[b] = 1;
     for (int edge = 1;; edge++) {
         surface s;
-        igi_hit hit = igi_trace(r->tracer, origin, direction);
+        igi_hit hit = edge == 1 ? igi_trace(r->tracer, origin, direction)
+                                : igi_trace_off(r->tracer, origin, normal, direction);
         rays++;
         add_emission(r, origin, direction, &hit, pdf, throughput, radiance);
         if (hit.triangle == IGI_NO_HIT || edge >= max_depth) break;
-        surface_at(r, &hit, origin, direction, &s);
+        surface_at(r, &hit, direction, &s);
         if (s.finish->absorbs) break;
         rays += add_direct(r, &s, points, throughput, radiance);
-        if (!go_on(r, &s, points, &origin, &direction, throughput, &pdf)) break;
+        if (!go_on(r, &s, points, &direction, throughput, &pdf)) break;
+        origin = s.point;
+        normal = s.normal;
         if (edge >= FIRST_ROULETTE && !survive(r->bands, points, throughput)) break;
     }
     return rays;

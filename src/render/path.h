@@ -38,8 +38,7 @@ typedef struct surface {
     float lobe_share; /* how often the lobe is sampled rather than the diffuse part */
 } surface;
 
-void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec origin, igi_vec direction,
-                surface *s);
+void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, surface *s);
 /* BRDF times cosine per band for a direction of the world, and its density; false: all zero. */
 bool surface_value(const surface *s, int bands, igi_vec direction, float *value, float *pdf);
 igi_vec surface_sample(const surface *s, float choice, float u, float v);

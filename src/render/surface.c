@@ -42,13 +42,12 @@ static float share_of_lobe(const surface *s, int bands)
     return fminf(0.9f, fmaxf(0.1f, specular / (specular + diffuse)));
 }
 
-void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec origin, igi_vec direction,
-                surface *s)
+void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, surface *s)
 {
     const igi_mesh *mesh = &r->scene->mesh;
     s->finish = &r->finishes[mesh->regions[hit->triangle]];
     if (s->finish->absorbs) return;
-    s->point = igi_madd(origin, direction, hit->distance);
+    s->point = igi_triangle_point(mesh, hit->triangle, hit->u, hit->v);
     s->normal = igi_triangle_normal(mesh, hit->triangle);
     if (igi_dot(s->normal, direction) > 0) s->normal = igi_scale(s->normal, -1);
     igi_frame_of(s->normal, &s->t, &s->b);

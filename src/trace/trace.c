@@ -14,6 +14,9 @@
 
 #include <stdio.h>
 
+/* Of the scene's size: ten times what a point on a triangle is off it in floats. */
+#define OFF_SURFACE 2e-6f
+
 struct igi_tracer {
     const igi_mesh *mesh;
     igi_vec *normals; /* [triangle_count] */
@@ -115,9 +118,9 @@ static struct RTCRay make_ray(igi_vec origin, igi_vec direction, float near, flo
                            .tnear = near, .tfar = far, .mask = UINT32_MAX};
 }
 
-igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction)
+static igi_hit nearest(const igi_tracer *tracer, igi_vec origin, igi_vec direction, float near)
 {
-    struct RTCRayHit r = {.ray = make_ray(origin, direction, tracer->epsilon, INFINITY),
+    struct RTCRayHit r = {.ray = make_ray(origin, direction, near, INFINITY),
                           .hit = {.geomID = RTC_INVALID_GEOMETRY_ID,
                                   .primID = RTC_INVALID_GEOMETRY_ID}};
 #if IGI_EMBREE_MAJOR >= 4
@@ -133,6 +136,16 @@ igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction)
     float facing = r.hit.Ng_x * direction.x + r.hit.Ng_y * direction.y + r.hit.Ng_z * direction.z;
     return (igi_hit){.triangle = r.hit.primID, .u = r.hit.u, .v = r.hit.v,
                      .distance = r.ray.tfar, .back = facing > 0};
+}
+
+igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction)
+{
+    return nearest(tracer, origin, direction, tracer->epsilon);
+}
+
+igi_hit igi_trace_off(const igi_tracer *tracer, igi_vec point, igi_vec normal, igi_vec direction)
+{
+    return nearest(tracer, igi_madd(point, normal, OFF_SURFACE * tracer->size), direction, 0);
 }
 
 bool igi_occluded_toward(const igi_tracer *tracer, igi_vec from, igi_vec direction, float limit)

@@ -31,6 +31,11 @@ typedef struct igi_hit {
  * (igi_count_rays, once a task). */
 igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction);
 
+/* From a point of a surface into the side of `normal`: the ray starts a hair off the surface and
+ * misses nothing, however near. (igi_trace loses what is nearer than its epsilon: 1e-4 of all light
+ * in a cube, at its edges, which a room of albedo .99 makes one per cent.) */
+igi_hit igi_trace_off(const igi_tracer *tracer, igi_vec point, igi_vec normal, igi_vec direction);
+
 /* Is anything between the two points, ends excluded? */
 bool igi_occluded(const igi_tracer *tracer, igi_vec from, igi_vec to);
 /* Is anything in this direction, at any distance up to `limit` metres (INFINITY: all)? */
