@@ -132,8 +132,8 @@ static void clip(drawing *d, double right, double up, double forward)
 static bool find_span(const drawing *d, double y, double *from, double *to)
 {
     const double slack = 1e-9;
-    *from = INFINITY;
-    *to = -INFINITY;
+    *from = HUGE_VAL;
+    *to = -HUGE_VAL;
     for (size_t i = 0; i < d->count; i++) {
         const double *a = d->corner[i], *b = d->corner[(i + 1) % d->count];
         if (y < fmin(a[1], b[1]) - slack || y > fmax(a[1], b[1]) + slack) continue;
@@ -148,7 +148,7 @@ static bool find_span(const drawing *d, double y, double *from, double *to)
 
 static void fill(drawing *d)
 {
-    double low = INFINITY, high = -INFINITY, pixel = 2.0 / d->width;
+    double low = HUGE_VAL, high = -HUGE_VAL, pixel = 2.0 / d->width;
     for (size_t i = 0; i < d->count; i++) {
         double *c = d->corner[i];
         c[0] = (c[0] / c[2] + 1) / pixel;

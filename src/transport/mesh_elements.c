@@ -77,8 +77,8 @@ static double divisions_of(const igi_facet *f, double size)
 
 static void find_extent(maker *m)
 {
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
-    for (int k = 0; k < 3; k++) m->low[k] = INFINITY;
+    double high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, sum = 0;
+    for (int k = 0; k < 3; k++) m->low[k] = HUGE_VAL;
     for (size_t t = 0; t < m->mesh->triangle_count; t++) {
         igi_facet f = facet_of_triangle(m->mesh, t);
         if (divisions_of(&f, 1) == 0) continue;

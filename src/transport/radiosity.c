@@ -43,7 +43,7 @@ static double largest(const double *values, size_t count)
 {
     double most = 0;
     for (size_t i = 0; i < count; i++) {
-        if (!isfinite(values[i])) return INFINITY; /* fmax would pass over NaN */
+        if (!isfinite(values[i])) return HUGE_VAL; /* fmax would pass over NaN */
         most = fmax(most, fabs(values[i]));
     }
     return most;

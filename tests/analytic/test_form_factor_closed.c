@@ -170,7 +170,7 @@ static void degenerate(void)
 {
     double line[3][3] = {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}},
            point[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
-    double bad[3][3] = {{0, 0, 1}, {1, NAN, 1}, {2, 2, 1}};
+    double bad[3][3] = {{0, 0, 1}, {1, (double)NAN, 1}, {2, 2, 1}};
     CHECK_NEAR(igi_form_factor_between(floor_square, 4, (const double(*)[3])line, 3), 0, 0);
     CHECK_NEAR(igi_form_factor_between((const double(*)[3])point, 3, floor_square, 4), 0, 0);
     CHECK_NEAR(igi_form_factor_between((const double(*)[3])bad, 3, floor_square, 4), 0, 0);

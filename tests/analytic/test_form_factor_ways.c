@@ -40,6 +40,7 @@ static double *factors(const setting *s, igi_factor_way way, int effort, uint64_
     o.seed = seed;
     if (way == IGI_FACTOR_RAYS) o.rays = effort;
     if (way == IGI_FACTOR_HEMICUBE) o.points = effort;
+    o.resolution = 32;
     double *f = malloc(s->elements->count * s->elements->count * sizeof *f);
     CHECK_OK(s->ctx, igi_form_factors(s->ctx, s->elements, s->tracer, &o, f));
     return f;
@@ -98,17 +99,17 @@ static void agree_in_a_cube(void)
     size_t n = s.elements->count;
     double *closed = factors(&s, IGI_FACTOR_CLOSED, 0, 1);
     double *rays = factors(&s, IGI_FACTOR_RAYS, 16384, 1);
-    double *hemicube = factors(&s, IGI_FACTOR_HEMICUBE, 64, 1);
+    double *hemicube = factors(&s, IGI_FACTOR_HEMICUBE, 32, 1);
     double *few = factors(&s, IGI_FACTOR_HEMICUBE, 8, 1);
     CHECK(worst_row_sum(closed, n) < 1e-6);
     CHECK(worst_row_sum(rays, n) < 1e-9);
     CHECK(worst_row_sum(hemicube, n) < 1e-9);
     CHECK(asymmetry(&s, closed) < 1e-12);
     CHECK_NEAR(difference(&s, rays, closed), 0, 0.02);
-    CHECK_NEAR(difference(&s, hemicube, closed), 0, 0.08);
-    CHECK(difference(&s, few, closed) > 1.8 * difference(&s, hemicube, closed));
+    CHECK_NEAR(difference(&s, hemicube, closed), 0, 0.1);
+    CHECK(difference(&s, few, closed) > 1.5 * difference(&s, hemicube, closed));
     CHECK_NEAR(asymmetry(&s, rays), 0, 0.03);
-    CHECK_NEAR(asymmetry(&s, hemicube), 0, 0.12);
+    CHECK_NEAR(asymmetry(&s, hemicube), 0, 0.15);
     printf("   rays %.4f hemicube %.4f of closed; asymmetry %.4f %.4f\n",
            difference(&s, rays, closed), difference(&s, hemicube, closed), asymmetry(&s, rays),
            asymmetry(&s, hemicube));
@@ -220,9 +221,9 @@ static void agree_behind_a_sheet(void)
     free(keep);
     size_t n = s.elements->count;
     double *rays = factors(&s, IGI_FACTOR_RAYS, 16384, 1);
-    double *hemicube = factors(&s, IGI_FACTOR_HEMICUBE, 64, 1);
+    double *hemicube = factors(&s, IGI_FACTOR_HEMICUBE, 32, 1);
     printf("   %zu elements: %.4f\n", n, difference(&s, hemicube, rays));
-    CHECK_NEAR(difference(&s, hemicube, rays), 0, 0.08);
+    CHECK_NEAR(difference(&s, hemicube, rays), 0, 0.1);
     CHECK(worst_row_sum(rays, n) < 1e-9);
     CHECK(worst_row_sum(hemicube, n) < 1e-9);
     CHECK(asymmetry(&s, rays) < 0.03);
@@ -234,7 +235,7 @@ static void agree_behind_a_sheet(void)
 /* Inside a unit sphere F_ij = A_j / (4 pi), wherever i and j are. */
 static void sphere_inside(void)
 {
-    double last = INFINITY;
+    double last = HUGE_VAL;
     for (int n = 2; n <= 8; n *= 2) {
         room *r = room_new();
         room_sphere(r, n, true);

@@ -119,8 +119,9 @@ static void photograph(world *w, size_t count, double hidden_share, double noise
     o->frame_begin[1] = o->count;
 }
 
-static world *begin(double albedo, size_t observations, double hidden_share, double noise,
-                    int threads)
+/* Of the cube's 12 triangles, the first ones stand: with 12 it is closed. */
+static world *begin_open(size_t triangles, double albedo, size_t observations, double hidden_share,
+                         double noise, int threads)
 {
     static char names[REGIONS][8] = {"floor", "ceiling", "west", "east", "south", "north"};
     world *w = calloc(1, sizeof *w);
@@ -128,6 +129,7 @@ static world *begin(double albedo, size_t observations, double hidden_share, dou
     w->ctx = test_context(threads);
     w->room = room_new();
     room_cube(w->room, 1, 1);
+    w->room->mesh.triangle_count = triangles;
     for (int r = 0; r < REGIONS; r++) {
         w->regions[r] = (igi_region){.name = names[r], .textured = IGI_AUTO};
         w->truth[r][0] = albedo;
@@ -153,6 +155,12 @@ static world *begin(double albedo, size_t observations, double hidden_share, dou
     CHECK_OK(w->ctx, igi_problem_create(w->ctx, &w->scene, w->tracer, &w->observations, w->patches,
                                         &w->options, &w->problem));
     return w;
+}
+
+static world *begin(double albedo, size_t observations, double hidden_share, double noise,
+                    int threads)
+{
+    return begin_open(12, albedo, observations, hidden_share, noise, threads);
 }
 
 static void end(world *w)
@@ -241,6 +249,20 @@ static void a_region_nobody_sees(void)
     end(w);
 }
 
+/* One triangle in the void, and a room without walls: what there is, is found. */
+static void open_rooms(void)
+{
+    for (size_t triangles = 1; triangles <= 4; triangles += 3) {
+        world *w = begin_open(triangles, .5, 20000, 0, .01, 2);
+        run(w, igi_method_radiosity);
+        CHECK_NEAR(w->diffuse->albedo[0][0], .5, .005);
+        CHECK(w->diffuse->determined[0] && !w->diffuse->determined[2]);
+        CHECK(w->diffuse->determined[1] == (triangles == 4));
+        if (triangles == 4) CHECK_NEAR(w->diffuse->albedo[1][0], .5, .005);
+        end(w);
+    }
+}
+
 static void nothing_seen(void)
 {
     world *w = begin(.5, 0, 0, 0, 1);
@@ -283,5 +305,6 @@ static void out_of_memory(void)
 
 TEST_MAIN({"white_room_with_a_hidden_piece", white_room_with_a_hidden_piece},
           {"hidden_radiance_is_solved", hidden_radiance_is_solved},
-          {"a_region_nobody_sees", a_region_nobody_sees}, {"nothing_seen", nothing_seen},
-          {"same_for_any_threads", same_for_any_threads}, {"out_of_memory", out_of_memory})
+          {"a_region_nobody_sees", a_region_nobody_sees}, {"open_rooms", open_rooms},
+          {"nothing_seen", nothing_seen}, {"same_for_any_threads", same_for_any_threads},
+          {"out_of_memory", out_of_memory})

@@ -196,7 +196,7 @@ static void cie_171_5_8(void)
 /* Inside a diffuse sphere the reflected irradiance is uniform, wherever light enters. */
 static void sphere_inside(void)
 {
-    double last = INFINITY;
+    double last = HUGE_VAL;
     for (int n = 2; n <= 8; n *= 2) {
         room *r = room_new();
         room_sphere(r, n, true);
@@ -245,7 +245,7 @@ static void refuses_what_has_no_answer(void)
         if (way != IGI_RADIOSITY_LU)
             CHECK_OK(s.ctx,
                      igi_radiosity_solve(s.ctx, &s.system, (igi_radiosity_way)way, s.radiosity));
-        CHECK_NEAR(s.radiosity[0], 0, way == IGI_RADIOSITY_LU ? INFINITY : 0);
+        CHECK_NEAR(s.radiosity[0], 0, way == IGI_RADIOSITY_LU ? HUGE_VAL : 0);
     }
     CHECK(igi_radiosity_solve(s.ctx, &s.system, (igi_radiosity_way)7, s.radiosity) == IGI_E_USAGE);
     igi_context_cancel(s.ctx);

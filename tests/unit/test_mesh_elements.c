@@ -132,7 +132,7 @@ static void survives_bad_triangles(void)
     CHECK(igi_elements_create(ctx, &r->mesh, 1, 100, false, &e) == IGI_E_DATA);
     CHECK(e == NULL);
     CHECK_CONTAINS(igi_context_message(ctx), "no triangle has area");
-    uint32_t far = room_vertex(r, INFINITY, 0, 0), bad = room_vertex(r, 0, NAN, 1);
+    uint32_t far = room_vertex(r, HUGE_VAL, 0, 0), bad = room_vertex(r, 0, (double)NAN, 1);
     room_triangle(r, a, b, far, 0);
     room_triangle(r, a, b, bad, 0);
     uint32_t d = room_vertex(r, 0, 1, 0);
