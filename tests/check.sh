@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# For tests that are scripts: each is called with the program's path as $1 and the build's tests
+# folder as $2, and works in an empty folder of its own.
+# shellcheck shell=sh disable=SC2034
+set -u
+igi=$1
+build=$2
+work=$(mktemp -d)
+trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+fail() {
+    echo "FAIL: $*"
+    failures=$((failures + 1))
+}
+
+# expect STATUS PATTERN COMMAND...: the exit status, and an extended regular expression that the
+# command's stderr matches ("" : stderr is empty). stdout is left in $work/out, stderr in $work/err.
+expect() {
+    want=$1 pattern=$2
+    shift 2
+    "$@" >"$work/out" 2>"$work/err" </dev/null
+    got=$?
+    [ "$got" -eq "$want" ] || fail "exit status $got, not $want: $*: $(head -n 3 "$work/err")"
+    if [ -z "$pattern" ]; then
+        [ ! -s "$work/err" ] || fail "words on stderr: $*: $(head -n 3 "$work/err")"
+    else
+        grep -qE -e "$pattern" "$work/err" || fail "stderr lacks '$pattern': $*: $(cat "$work/err")"
+    fi
+}
+
+# stdout PATTERN: the last command's stdout matches.
+stdout() {
+    grep -qE -e "$1" "$work/out" || fail "stdout lacks '$1': $(head -n 5 "$work/out")"
+}
+
+skip() {
+    echo "skipped: $*"
+    exit 77
+}
+
+finish() {
+    [ "$failures" -eq 0 ] || exit 1
+    echo "ok"
+    exit 0
+}
