@@ -2,7 +2,7 @@
  *
  * PLY, glTF and the many others, by Assimp. Its materials are our regions; the transforms of its
  * nodes are baked. Triangles keep the order of the file. Coordinates are taken as they stand in the
- * file: cameras and lights are expected in the same axes.
+ * file: cameras and lights are expected in the same axes. Runs in a process of its own (child.c).
  */
 #include "scene/mesh.h"
 
@@ -41,7 +41,9 @@ static igi_status region_of(igi_mesh_builder *b, const struct aiScene *from, uns
     struct aiString name = {.length = 0};
     if (material < from->mNumMaterials)
         (void)aiGetMaterialString(from->mMaterials[material], AI_MATKEY_NAME, &name);
-    if (strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0) strcpy(name.data, "default");
+    if (strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0 ||
+        (!name.data[0] && from->mNumMaterials < 2))
+        strcpy(name.data, "default");
     if (!name.data[0]) /* nameless ones stay apart */
         snprintf(name.data, sizeof name.data, "material%u", material);
     return igi_mesh_builder_region(b, name.data, strlen(name.data), 0, region);
@@ -109,11 +111,8 @@ static igi_status add_node(igi_mesh_builder *b, const struct aiScene *from,
     return IGI_OK;
 }
 
-igi_status igi_assimp_read(igi_mesh_builder *builder)
+igi_status igi_assimp_import(igi_mesh_builder *builder)
 {
-    if (!igi_file_exists(builder->file))
-        return igi_fail(builder->ctx, IGI_E_DATA, "%s: no such file, or not readable",
-                        builder->file);
     const struct aiScene *from =
         aiImportFile(builder->file, aiProcess_Triangulate | aiProcess_ValidateDataStructure);
     if (!from || !from->mRootNode) {

@@ -155,6 +155,8 @@ static igi_status check_indices(const igi_mesh_builder *b)
 {
     for (size_t i = 0; i < b->face_count; i++) {
         const igi_face *f = &b->faces[i];
+        if (f->region >= b->region_count)
+            return igi_fail(b->ctx, IGI_E_INTERNAL, "%s: a face without a region", b->file);
         for (int k = 0; k < 3; k++) {
             if (f->vertex[k] >= b->vertex_count)
                 return fail_at(b, f->line, "a face names vertex %u, but there are only %zu",
@@ -202,8 +204,9 @@ static igi_status drop_degenerate(igi_mesh_builder *b, igi_scene *scene)
     if (dropped == 0) return IGI_OK;
     char place[32] = "";
     if (first_line) snprintf(place, sizeof place, ":%u", (unsigned)first_line);
-    return igi_scene_warn(b->ctx, scene, "%s%s: %zu triangle%s without area left out", b->file,
-                          place, dropped, dropped == 1 ? "" : "s, this the first");
+    return igi_scene_warn(b->ctx, scene, "%s%s: %zu triangle%s without area left out%s",
+                          b->file, place, dropped, dropped == 1 ? "" : "s",
+                          dropped > 1 && first_line ? ", this the first" : "");
 }
 
 static void take_uvs(const igi_mesh_builder *b, igi_scene *scene, size_t triangle)

@@ -190,7 +190,7 @@ const char *igi_closest(const char *word, const char *const *candidates, size_t 
     size_t length = strlen(word);
     if (length > MAX_WORD) return NULL;
     const char *closest = NULL;
-    size_t least = length < 6 ? 1 : length / 3; /* farther off, it is another word */
+    size_t least = (length + 2) / 3; /* farther off, it is another word */
     for (size_t i = 0; i < count; i++) {
         if (strlen(candidates[i]) > MAX_WORD) continue;
         size_t distance = edit_distance(word, candidates[i]);
