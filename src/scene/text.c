@@ -48,7 +48,7 @@ static bool scan_word(const char **at, double *value)
     static const struct {
         const char *word;
         double value;
-    } words[] = {{"infinity", INFINITY}, {"inf", INFINITY}, {"nan", NAN}};
+    } words[] = {{"infinity", HUGE_VAL}, {"inf", HUGE_VAL}, {"nan", (double)NAN}};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         size_t length = strlen(words[i].word);
         if (strncasecmp(*at, words[i].word, length) == 0) {

@@ -133,7 +133,8 @@ igi_status igi_transforms_read(igi_context *ctx, const char *path, igi_frame **f
     igi_json_file file;
     char *folder = NULL;
     size_t frame_count;
-    numbers global = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    const double no = (double)NAN;
+    numbers global = {no, no, no, no, no, no, no, no, no, no, no, no, no, no};
     igi_status status = igi_json_load(ctx, path, &file);
     if (status != IGI_OK) return status;
     igi_json root = igi_json_root(&file);

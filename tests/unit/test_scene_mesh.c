@@ -219,8 +219,8 @@ static void numbers(void)
                  {"0.00000000000000000000000000000000000000000000001", 1e-47, ""},
                  {"1e-999", 0, ""},
                  {"0e99999999999", 0, ""},
-                 {"inf", INFINITY, ""},
-                 {"-Infinity", -INFINITY, ""}};
+                 {"inf", HUGE_VAL, ""},
+                 {"-Infinity", -HUGE_VAL, ""}};
     double value;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const char *at = cases[i].text;
