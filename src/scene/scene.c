@@ -52,9 +52,12 @@ static igi_status named_path(igi_context *ctx, const igi_json *at, igi_scene *sc
     const char *name;
     IGI_TRY(igi_json_string(ctx, at, &name));
     IGI_TRY(igi_path_join(ctx, scene->folder, name, path));
-    if (igi_file_exists(*path) || igi_is_folder(*path)) return note_file(ctx, scene, *path);
     igi_status status =
-        igi_json_fail(ctx, at, "no readable file %s; correct the name, or put the file there", *path);
+        igi_file_exists(*path) || igi_is_folder(*path)
+            ? note_file(ctx, scene, *path)
+            : igi_json_fail(ctx, at, "no readable file %s; correct the name, or put the file there",
+                            *path);
+    if (status == IGI_OK) return IGI_OK;
     igi_free(*path);
     *path = NULL;
     return status;
