@@ -4,6 +4,6 @@
  */
 #include "cli.h"
 
-extern const cli_command cli_recover, cli_report, cli_validate;
+extern const cli_command cli_recover, cli_report, cli_synth, cli_validate;
 
-const cli_command *const cli_commands[] = {&cli_recover, &cli_validate, &cli_report, NULL};
+const cli_command *const cli_commands[] = {&cli_recover, &cli_validate, &cli_report, &cli_synth, NULL};

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * A spec becomes a scene folder. Mesh, cameras, lights and maps are written first and read again,
+ * so that what is rendered is what stands in the files, to the last digit.
+ */
+#include "synth/synth.h"
+
+#include "render/render.h"
+#include "scene/manifest.h"
+#include "scene/mesh.h"
+
+#include <igi/image.h>
+#include <igi/scene.h>
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct maker {
+    igi_context *ctx;
+    const char *folder;
+    spec spec;
+    igi_scene *scene;
+    igi_tracer *tracer;
+} maker;
+
+/* The lights that are on, and what the progress calls the work. */
+typedef struct lit_by {
+    const char *stage;
+    const igi_light *lights;
+    size_t count;
+} lit_by;
+
+/* folder/name made from a format; the caller's. */
+static igi_status path_in(const maker *m, const char *name, char **path)
+{
+    return igi_strprintf(m->ctx, path, "%s/%s", m->folder, name);
+}
+
+static igi_status make_folder(const maker *m, const char *name)
+{
+    char *path = NULL;
+    IGI_TRY(path_in(m, name, &path));
+    igi_status status = IGI_OK;
+    if (mkdir(path, 0777) != 0 && errno != EEXIST)
+        status = igi_fail(m->ctx, IGI_E_SYSTEM, "%s: cannot be made (%s); check the folder above it",
+                          path, strerror(errno));
+    igi_free(path);
+    return status;
+}
+
+static igi_status write_mesh(maker *m)
+{
+    char *path = NULL;
+    igi_status status = path_in(m, "scene.obj", &path);
+    if (status == IGI_OK) status = shapes_save(m->ctx, &m->spec, path);
+    if (status == IGI_OK) status = igi_mesh_load(m->ctx, m->scene, path);
+    igi_free(path);
+    return status;
+}
+
+static const igi_material *material_of(const maker *m, size_t region)
+{
+    const igi_materials *all = m->spec.materials;
+    for (size_t i = 0; i < all->count; i++)
+        if (strcmp(all->materials[i].region, m->scene->regions[region].name) == 0)
+            return &all->materials[i];
+    return NULL;
+}
+
+static igi_status read_lights(maker *m)
+{
+    for (size_t i = 0; i < m->scene->region_count; i++)
+        m->scene->regions[i].emitter = material_of(m, i)->emitter;
+    return igi_lights_read(m->ctx, &m->spec.lights, m->scene, &m->scene->lights,
+                           &m->scene->light_count);
+}
+
+static igi_status write_manifest(const maker *m)
+{
+    json_t *regions = json_object();
+    int bad = !regions;
+    for (size_t i = 0; i < m->scene->region_count; i++) {
+        const igi_material *material = material_of(m, i);
+        json_t *o = json_object();
+        if (material->textured) bad |= json_object_set_new(o, "textured", json_true());
+        if (material->emitter) bad |= json_object_set_new(o, "emitter", json_true());
+        bad |= json_object_set_new(regions, m->scene->regions[i].name, o);
+    }
+    json_t *root = json_pack("{si ss ss ss sO so}", "igi", 1, "name", m->spec.name, "mesh",
+                             "scene.obj", "cameras", "transforms.json", "lights",
+                             m->spec.lights.value, "regions", regions);
+    char *path = NULL;
+    igi_status status = bad || !root ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
+                                     : path_in(m, "scene.json", &path);
+    if (status == IGI_OK) status = save_json(m->ctx, root, path);
+    igi_free(path);
+    json_decref(root);
+    return status;
+}
+
+/* The map as its file holds it, and the mean of that. */
+static igi_status make_map(maker *m, size_t i)
+{
+    igi_material *material = &m->spec.materials->materials[i];
+    int bands = m->spec.materials->bands;
+    igi_image *image = NULL;
+    char *path = NULL;
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/truth/albedo/%s.exr", m->folder, material->region));
+    IGI_TRY_GOTO(texture_make(m->ctx, &m->spec.textures[i], bands, &image));
+    IGI_TRY_GOTO(igi_image_save_exr(m->ctx, image, IGI_EXR_HALF, path));
+    IGI_TRY_GOTO(igi_image_load_exr(m->ctx, path, &material->map));
+    size_t texels = (size_t)image->width * (size_t)image->height;
+    for (size_t t = 0; t < texels * (size_t)bands; t++)
+        material->albedo[t % (size_t)bands] += (double)material->map->samples[t] / (double)texels;
+cleanup:
+    igi_image_destroy(image);
+    igi_free(path);
+    return status;
+}
+
+static igi_status make_maps(maker *m)
+{
+    bool any = false;
+    for (size_t i = 0; i < m->spec.materials->count; i++) {
+        if (m->spec.textures[i].kind == TEXTURE_NONE) continue;
+        if (!any) IGI_TRY(make_folder(m, "truth/albedo"));
+        any = true;
+        IGI_TRY(make_map(m, i));
+    }
+    return IGI_OK;
+}
+
+static igi_status save_pictures(const maker *m, const char *folder, igi_image **pictures,
+                                size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        char *path = NULL;
+        IGI_TRY(igi_strprintf(m->ctx, &path, "%s/%simages/%04zu.exr", m->folder, folder, i));
+        igi_status status = igi_image_save_exr(m->ctx, pictures[i], IGI_EXR_HALF, path);
+        igi_free(path);
+        IGI_TRY(status);
+    }
+    return IGI_OK;
+}
+
+/* Renders the frames into `folder` ("" or "NAME/"). */
+static igi_status take_pictures(maker *m, const char *folder, const view_set *views,
+                                const lit_by *by, const igi_camera *cameras, size_t count)
+{
+    igi_status status = IGI_OK;
+    igi_renderer *renderer = NULL;
+    igi_image **pictures = NULL;
+    igi_render_options options;
+    igi_render_options_init(&options);
+    options.samples = views->samples;
+    IGI_TRY_GOTO(IGI_ALLOC(m->ctx, count, &pictures));
+    for (size_t i = 0; i < count; i++)
+        IGI_TRY_GOTO(igi_image_create(m->ctx, views->width, views->height, m->scene->bands, &pictures[i]));
+    IGI_TRY_GOTO(igi_renderer_create(m->ctx, m->scene, m->spec.materials, by->lights, by->count, &renderer));
+    igi_stage_begin(m->ctx, by->stage);
+    IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed, pictures, NULL));
+    IGI_TRY_GOTO(save_pictures(m, folder, pictures, count));
+cleanup:
+    for (size_t i = 0; pictures && i < count; i++) igi_image_destroy(pictures[i]);
+    igi_free(pictures);
+    igi_renderer_destroy(renderer);
+    return status;
+}
+
+/* One set of views with its cameras and pictures; *cameras may be asked for. */
+static igi_status make_views(maker *m, const char *folder, const view_set *views,
+                             const lit_by *by, igi_camera **cameras, size_t *camera_count)
+{
+    igi_status status = IGI_OK;
+    igi_camera *chosen = NULL;
+    igi_frame *frames = NULL;
+    char *path = NULL, *images = NULL;
+    size_t count = 0;
+    IGI_TRY_GOTO(igi_strprintf(m->ctx, &images, "%simages", folder));
+    IGI_TRY_GOTO(make_folder(m, folder));
+    IGI_TRY_GOTO(make_folder(m, images));
+    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/%stransforms.json", m->folder, folder));
+    IGI_TRY_GOTO(views_choose(m->ctx, views, m->scene, m->tracer, &chosen, &count));
+    IGI_TRY_GOTO(views_save(m->ctx, chosen, count, path));
+    IGI_TRY_GOTO(igi_frames_load(m->ctx, path, &frames, &count));
+    for (size_t i = 0; i < count; i++) chosen[i] = frames[i].camera;
+    IGI_TRY_GOTO(take_pictures(m, folder, views, by, chosen, count));
+    if (cameras) {
+        *cameras = chosen;
+        *camera_count = count;
+        chosen = NULL;
+    }
+cleanup:
+    igi_free(chosen);
+    igi_frames_destroy(frames, count);
+    igi_free(path);
+    igi_free(images);
+    return status;
+}
+
+static igi_status make_relit(maker *m, size_t number)
+{
+    const relit_set *set = &m->spec.relit[number];
+    igi_status status = IGI_OK;
+    igi_light *lights = NULL;
+    size_t count = 0;
+    char *folder = NULL, *path = NULL;
+    json_t *root = json_pack("{sO}", "lights", set->lights.value);
+    IGI_TRY_GOTO(number ? igi_strprintf(m->ctx, &folder, "relit%zu/", number + 1)
+                        : igi_strdup(m->ctx, "relit/", &folder));
+    IGI_TRY_GOTO(igi_lights_read(m->ctx, &set->lights, m->scene, &lights, &count));
+    lit_by by = {"relit views", lights, count};
+    IGI_TRY_GOTO(make_views(m, folder, &set->views, &by, NULL, NULL));
+    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/%slights.json", m->folder, folder));
+    IGI_TRY_GOTO(save_json(m->ctx, root, path));
+cleanup:
+    json_decref(root);
+    igi_lights_destroy(lights, count);
+    igi_free(folder);
+    igi_free(path);
+    return status;
+}
+
+static igi_status make_scene(maker *m)
+{
+    igi_scene *scene = m->scene;
+    igi_camera *cameras = NULL;
+    size_t count = 0;
+    char *path = NULL;
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(make_folder(m, ""));
+    IGI_TRY_GOTO(make_folder(m, "truth"));
+    IGI_TRY_GOTO(write_mesh(m));
+    scene->bands = m->spec.materials->bands;
+    IGI_TRY_GOTO(read_lights(m));
+    IGI_TRY_GOTO(write_manifest(m));
+    IGI_TRY_GOTO(make_maps(m));
+    IGI_TRY_GOTO(igi_tracer_create(m->ctx, &scene->mesh, &m->tracer));
+    lit_by by = {"photographs", scene->lights, scene->light_count};
+    IGI_TRY_GOTO(make_views(m, "", &m->spec.views, &by, &cameras, &count));
+    IGI_TRY_GOTO(path_in(m, "truth/truth.json", &path));
+    IGI_TRY_GOTO(truth_save(m->ctx, &m->spec, scene, m->tracer, cameras, count, path));
+    by.stage = "held-out views";
+    if (m->spec.has_heldout)
+        IGI_TRY_GOTO(make_views(m, "heldout/", &m->spec.heldout, &by, NULL, NULL));
+    for (size_t i = 0; i < m->spec.relit_count; i++) IGI_TRY_GOTO(make_relit(m, i));
+cleanup:
+    igi_free(cameras);
+    igi_free(path);
+    return status;
+}
+
+igi_status igi_synth(igi_context *ctx, const char *spec_path, const char *folder)
+{
+    igi_status status = IGI_OK;
+    maker m = {.ctx = ctx, .folder = folder};
+    IGI_TRY_GOTO(spec_load(ctx, spec_path, &m.spec));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &m.scene));
+    IGI_TRY_GOTO(make_scene(&m));
+cleanup:
+    igi_stage_begin(ctx, NULL);
+    igi_tracer_destroy(m.tracer);
+    igi_scene_destroy(m.scene);
+    spec_clear(&m.spec);
+    return status;
+}
