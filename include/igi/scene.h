@@ -18,7 +18,7 @@ typedef struct igi_mesh {
     float *positions;    /* [vertex_count][3] */
     uint32_t *triangles; /* [triangle_count][3], vertex indices */
     uint32_t *regions;   /* [triangle_count], index into igi_scene.regions */
-    float *uvs;          /* [triangle_count][3][2], origin at the bottom left; NULL: the mesh has none */
+    float *uvs; /* [triangle_count][3][2], origin at the bottom left; NULL: the mesh has none */
 } igi_mesh;
 
 typedef enum igi_tristate { IGI_AUTO = -1, IGI_NO = 0, IGI_YES = 1 } igi_tristate;
@@ -44,14 +44,15 @@ typedef enum igi_light_type {
 
 typedef struct igi_light {
     igi_light_type type;
-    int region;                /* area: index of the emitter region; else -1 */
-    double position[3];        /* point, spot, goniometric; line: its one end */
-    double end[3];             /* line: its other end */
-    double direction[3];       /* spot, directional: unit, in which the light travels */
-    double cutoff_deg, beam_deg; /* spot: half angles; full inside beam, linear in angle to 0 at cutoff */
-    double rotation_deg;       /* env: about +Z */
-    char *file;                /* goniometric: profile; env: image; absolute or relative to the process */
-    bool known;                /* value was given */
+    int region;          /* area: index of the emitter region; else -1 */
+    double position[3];  /* point, spot, goniometric; line: its one end */
+    double end[3];       /* line: its other end */
+    double direction[3]; /* spot, directional: unit, in which the light travels */
+    double cutoff_deg,
+        beam_deg;        /* spot: half angles; full inside beam, linear in angle to 0 at cutoff */
+    double rotation_deg; /* env: about +Z */
+    char *file;          /* goniometric: profile; env: image; absolute or relative to the process */
+    bool known;          /* value was given */
     double value[IGI_MAX_BANDS];
 } igi_light;
 

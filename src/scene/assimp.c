@@ -113,8 +113,8 @@ static igi_status add_node(igi_mesh_builder *b, const struct aiScene *from,
 
 igi_status igi_assimp_import(igi_mesh_builder *builder)
 {
-    const struct aiScene *from =
-        aiImportFile(builder->file, aiProcess_Triangulate | aiProcess_ValidateDataStructure);
+    const struct aiScene *from = aiImportFile(builder->file, aiProcess_Triangulate |
+                                                                 aiProcess_ValidateDataStructure);
     if (!from || !from->mRootNode) {
         igi_status status = igi_fail(builder->ctx, IGI_E_DATA, "%s: no readable mesh: %s",
                                      builder->file, aiGetErrorString());

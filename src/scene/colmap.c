@@ -146,12 +146,13 @@ static igi_status add_frame(colmap_reader *r, const double pose[7], uint64_t cam
                             const char *name)
 {
     const colmap_camera key = {.id = camera};
-    const colmap_camera *found =
-        r->camera_count ? bsearch(&key, r->cameras, r->camera_count, sizeof key, by_id) : NULL;
+    const colmap_camera *found = r->camera_count
+                                     ? bsearch(&key, r->cameras, r->camera_count, sizeof key, by_id)
+                                     : NULL;
     if (!found) return fail(r, "the image names a camera that is not in cameras");
     if (!name[0]) return fail(r, "the image has no name");
-    void *grown =
-        igi_grow(r->ctx, r->frames, &r->frame_capacity, r->frame_count + 1, sizeof *r->frames);
+    void *grown = igi_grow(r->ctx, r->frames, &r->frame_capacity, r->frame_count + 1,
+                           sizeof *r->frames);
     if (!grown) return IGI_E_SYSTEM;
     r->frames = grown;
     igi_frame *frame = &r->frames[r->frame_count++];
@@ -317,7 +318,8 @@ static igi_status read_binary(colmap_reader *r, igi_status (*record)(colmap_read
     uint64_t count;
     r->line = 0;
     if (!take_bytes(r, 8, &count)) return fail(r, "the file ends early; write it again");
-    for (uint64_t i = 0; i < count; i++) IGI_TRY(record(r)); /* ends at the file's end at the latest */
+    for (uint64_t i = 0; i < count; i++)
+        IGI_TRY(record(r)); /* ends at the file's end at the latest */
     return IGI_OK;
 }
 

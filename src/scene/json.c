@@ -101,8 +101,7 @@ static size_t member_number(const igi_json *member)
     size_t number = 0;
     const char *key;
     json_t *value;
-    json_object_foreach(member->parent->value, key, value)
-    {
+    json_object_foreach (member->parent->value, key, value) {
         if (strcmp(key, member->key) == 0) break;
         number++;
     }
@@ -202,8 +201,7 @@ igi_status igi_json_numbers(igi_context *ctx, const igi_json *at, size_t count, 
 {
     size_t got;
     IGI_TRY(igi_json_array(ctx, at, &got));
-    if (got != count)
-        return igi_json_fail(ctx, at, "has %zu numbers; give %zu", got, count);
+    if (got != count) return igi_json_fail(ctx, at, "has %zu numbers; give %zu", got, count);
     for (size_t i = 0; i < count; i++) {
         igi_json element = igi_json_element(at, i);
         IGI_TRY(igi_json_number(ctx, &element, &values[i]));
@@ -217,8 +215,7 @@ igi_status igi_json_check_keys(igi_context *ctx, const igi_json *object, const c
     IGI_TRY(igi_json_object(ctx, object));
     const char *key;
     json_t *value;
-    json_object_foreach(object->value, key, value)
-    {
+    json_object_foreach (object->value, key, value) {
         bool is_known = false;
         for (size_t i = 0; i < count && !is_known; i++) is_known = strcmp(key, known[i]) == 0;
         if (is_known) continue;

@@ -23,8 +23,9 @@ static igi_status find_region(igi_context *ctx, const igi_json *at, const char *
     if (meant)
         return igi_json_fail(ctx, at, "the mesh has no region \"%s\"; did you mean \"%s\"?", name,
                              meant);
-    return igi_json_fail(ctx, at, "the mesh has no region \"%s\" with any area; its first is \"%s\"",
-                         name, scene->regions[0].name);
+    return igi_json_fail(ctx, at,
+                         "the mesh has no region \"%s\" with any area; its first is \"%s\"", name,
+                         scene->regions[0].name);
 }
 
 typedef enum light_key {
@@ -88,7 +89,8 @@ static igi_status read_direction(igi_context *ctx, const igi_json *at, double di
                          direction[2] * direction[2]);
     igi_json member = igi_json_member(at, "direction");
     if (!(length > 1e-9 && length < 1e100))
-        return igi_json_fail(ctx, &member, "has no length; give the way in which the light travels");
+        return igi_json_fail(ctx, &member,
+                             "has no length; give the way in which the light travels");
     for (int k = 0; k < 3; k++) direction[k] /= length;
     return IGI_OK;
 }
@@ -173,8 +175,10 @@ static igi_status find_kind(igi_context *ctx, const igi_json *at, size_t *kind)
     if (meant)
         return igi_json_fail(ctx, &type, "no kind of light is \"%s\"; did you mean \"%s\"?", name,
                              meant);
-    return igi_json_fail(ctx, &type, "no kind of light is \"%s\"; there are area, point, spot, line, "
-                                     "goniometric, directional, env and ambient", name);
+    return igi_json_fail(ctx, &type,
+                         "no kind of light is \"%s\"; there are area, point, spot, line, "
+                         "goniometric, directional, env and ambient",
+                         name);
 }
 
 static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_scene *scene,
@@ -197,7 +201,8 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
         IGI_TRY(read_vector(ctx, at, "from", light->position));
         IGI_TRY(read_vector(ctx, at, "to", light->end));
         if (memcmp(light->position, light->end, sizeof light->end) == 0)
-            return igi_json_fail(ctx, at, "\"from\" and \"to\" are one point; give the line's ends");
+            return igi_json_fail(ctx, at,
+                                 "\"from\" and \"to\" are one point; give the line's ends");
     }
     if (keys & KEY_DIRECTION) IGI_TRY(read_direction(ctx, at, light->direction));
     if (keys & KEY_CONE) IGI_TRY(read_cone(ctx, at, light));
@@ -245,8 +250,7 @@ igi_status igi_regions_read(igi_context *ctx, const igi_json *object, igi_scene 
     IGI_TRY(igi_json_object(ctx, object));
     const char *name;
     json_t *unused;
-    json_object_foreach(object->value, name, unused)
-    {
+    json_object_foreach (object->value, name, unused) {
         igi_json at = igi_json_member(object, name);
         int number;
         IGI_TRY(find_region(ctx, &at, name, scene, &number));

@@ -199,13 +199,14 @@ static igi_status drop_degenerate(igi_mesh_builder *b, igi_scene *scene)
     }
     b->face_count = kept;
     if (kept == 0)
-        return fail_at(b, 0, dropped ? "no triangle has any area; mend the mesh"
-                                     : "no triangles; the mesh needs faces");
+        return fail_at(b, 0,
+                       dropped ? "no triangle has any area; mend the mesh"
+                               : "no triangles; the mesh needs faces");
     if (dropped == 0) return IGI_OK;
     char place[32] = "";
     if (first_line) snprintf(place, sizeof place, ":%u", (unsigned)first_line);
-    return igi_scene_warn(b->ctx, scene, "%s%s: %zu triangle%s without area left out%s",
-                          b->file, place, dropped, dropped == 1 ? "" : "s",
+    return igi_scene_warn(b->ctx, scene, "%s%s: %zu triangle%s without area left out%s", b->file,
+                          place, dropped, dropped == 1 ? "" : "s",
                           dropped > 1 && first_line ? ", this the first" : "");
 }
 

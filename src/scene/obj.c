@@ -41,7 +41,7 @@ static void skip_line(obj_reader *r)
 {
     const char *newline = r->at;
     const bool comment = *newline == '#'; /* one may end with the backslash of a folder's name */
-    do { /* a continued line is one line */
+    do {                                  /* a continued line is one line */
         newline = memchr(newline, '\n', (size_t)(r->end - newline));
         if (!newline) {
             r->at = r->end;
@@ -49,9 +49,8 @@ static void skip_line(obj_reader *r)
         }
         r->line++;
         newline++;
-    } while (!comment &&
-             ((newline - r->at >= 2 && newline[-2] == '\\') ||
-              (newline - r->at >= 3 && newline[-2] == '\r' && newline[-3] == '\\')));
+    } while (!comment && ((newline - r->at >= 2 && newline[-2] == '\\') ||
+                          (newline - r->at >= 3 && newline[-2] == '\r' && newline[-3] == '\\')));
     r->at = newline;
 }
 
@@ -108,7 +107,8 @@ static igi_status read_corner(obj_reader *r, uint32_t *vertex, uint32_t *uv)
 {
     *uv = IGI_NO_UV;
     if (!read_index(r, r->mesh->vertex_count, vertex))
-        return fail(r, "a face names a vertex that cannot be; indices count from 1, or from -1 back");
+        return fail(r,
+                    "a face names a vertex that cannot be; indices count from 1, or from -1 back");
     if (*r->at != '/') return IGI_OK;
     r->at++;
     if (*r->at != '/' && !read_index(r, r->mesh->uv_count, uv))

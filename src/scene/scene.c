@@ -37,8 +37,8 @@ igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format
 static igi_status note_file(igi_context *ctx, igi_scene *scene, const char *path)
 {
     size_t capacity = scene->file_count;
-    char **grown =
-        igi_grow(ctx, scene->files, &capacity, scene->file_count + 1, sizeof *scene->files);
+    char **grown = igi_grow(ctx, scene->files, &capacity, scene->file_count + 1,
+                            sizeof *scene->files);
     if (!grown) return IGI_E_SYSTEM;
     scene->files = grown;
     IGI_TRY(igi_strdup(ctx, path, &scene->files[scene->file_count]));
@@ -52,11 +52,12 @@ static igi_status named_path(igi_context *ctx, const igi_json *at, igi_scene *sc
     const char *name;
     IGI_TRY(igi_json_string(ctx, at, &name));
     IGI_TRY(igi_path_join(ctx, scene->folder, name, path));
-    igi_status status =
-        igi_file_exists(*path) || igi_is_folder(*path)
-            ? note_file(ctx, scene, *path)
-            : igi_json_fail(ctx, at, "no readable file %s; correct the name, or put the file there",
-                            *path);
+    igi_status status = igi_file_exists(*path) || igi_is_folder(*path)
+                            ? note_file(ctx, scene, *path)
+                            : igi_json_fail(
+                                  ctx, at,
+                                  "no readable file %s; correct the name, or put the file there",
+                                  *path);
     if (status == IGI_OK) return IGI_OK;
     igi_free(*path);
     *path = NULL;
@@ -65,8 +66,8 @@ static igi_status named_path(igi_context *ctx, const igi_json *at, igi_scene *sc
 
 static igi_status read_head(igi_context *ctx, const igi_json *root, igi_scene *scene)
 {
-    static const char *const known[] = {"igi",     "name",        "mesh",     "cameras", "lights",
-                                        "regions", "calibration", "brackets"};
+    static const char *const known[] = {"igi",    "name",    "mesh",        "cameras",
+                                        "lights", "regions", "calibration", "brackets"};
     static const char *const later[] = {"calibration", "brackets"};
     static const char *const instead[] = {
         "correct the images first (`igi correct`), then remove the key",
@@ -123,10 +124,11 @@ static igi_status check_image(igi_context *ctx, igi_scene *scene, size_t number)
     int width, height, channels, bands;
     IGI_TRY(igi_image_probe_exr(ctx, frame->path, &width, &height, &channels, &bands));
     if (width != frame->camera.width || height != frame->camera.height)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: is %dx%d pixels, but its camera %dx%d; give w and h (and fl_x, cx ...) "
-                        "of the image",
-                        frame->path, width, height, frame->camera.width, frame->camera.height);
+        return igi_fail(
+            ctx, IGI_E_DATA,
+            "%s: is %dx%d pixels, but its camera %dx%d; give w and h (and fl_x, cx ...) "
+            "of the image",
+            frame->path, width, height, frame->camera.width, frame->camera.height);
     if (bands < 1 || bands > IGI_MAX_BANDS)
         return igi_fail(ctx, IGI_E_DATA, "%s: has %d bands; export 1 to %d of them", frame->path,
                         bands, IGI_MAX_BANDS);
@@ -208,8 +210,9 @@ static igi_status read_lights(igi_context *ctx, const igi_json *root, igi_scene 
         igi_json at = igi_json_member(&regions, region->name);
         igi_json emitter = igi_json_member(&at, "emitter");
         if (emitter.value && !region->emitter)
-            return igi_json_fail(ctx, &emitter, "is false, but an area light names the region; "
-                                                "remove one of them");
+            return igi_json_fail(ctx, &emitter,
+                                 "is false, but an area light names the region; "
+                                 "remove one of them");
         region->emitter = true;
     }
     return complete_lights(ctx, scene);
@@ -294,8 +297,10 @@ igi_status igi_lights_load(igi_context *context, const igi_scene *scene, const c
         int region = (*lights)[i].region;
         if (region < 0 || scene->regions[region].emitter) continue;
         igi_json at = igi_json_element(&list, i);
-        status = igi_json_fail(context, &at, "region \"%s\" is no emitter in scene.json; only those "
-                                             "can shine", scene->regions[region].name);
+        status = igi_json_fail(context, &at,
+                               "region \"%s\" is no emitter in scene.json; only those "
+                               "can shine",
+                               scene->regions[region].name);
         goto cleanup;
     }
 cleanup:

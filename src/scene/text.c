@@ -109,7 +109,8 @@ bool igi_scan_number(const char **at, double *value)
     if (any) {
         if (*p == 'e' || *p == 'E') p = scan_exponent(p, &exponent);
         if (exponent < 0) x = exponent >= -22 ? x / power[-exponent] : x * pow(10, exponent);
-        else if (exponent > 0 && mantissa) x *= exponent <= 22 ? power[exponent] : pow(10, exponent);
+        else if (exponent > 0 && mantissa)
+            x *= exponent <= 22 ? power[exponent] : pow(10, exponent);
     } else {
         p = digits;
         if (!scan_word(&p, &x)) return false;

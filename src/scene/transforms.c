@@ -21,11 +21,20 @@ static igi_status read_numbers(igi_context *ctx, const igi_json *object, numbers
     const struct {
         const char *key;
         double *value;
-    } keys[] = {{"w", &n->w},       {"h", &n->h},   {"fl_x", &n->fl_x},
-                {"fl_y", &n->fl_y}, {"cx", &n->cx}, {"cy", &n->cy},
-                {"k1", &n->k1},     {"k2", &n->k2}, {"k3", &n->k3},
-                {"k4", &n->k4},     {"p1", &n->p1}, {"p2", &n->p2},
-                {"camera_angle_x", &n->angle_x},    {"camera_angle_y", &n->angle_y}};
+    } keys[] = {{"w", &n->w},
+                {"h", &n->h},
+                {"fl_x", &n->fl_x},
+                {"fl_y", &n->fl_y},
+                {"cx", &n->cx},
+                {"cy", &n->cy},
+                {"k1", &n->k1},
+                {"k2", &n->k2},
+                {"k3", &n->k3},
+                {"k4", &n->k4},
+                {"p1", &n->p1},
+                {"p2", &n->p2},
+                {"camera_angle_x", &n->angle_x},
+                {"camera_angle_y", &n->angle_y}};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
         igi_json member = igi_json_member(object, keys[i].key);
         if (member.value) IGI_TRY(igi_json_number(ctx, &member, keys[i].value));
@@ -35,8 +44,9 @@ static igi_status read_numbers(igi_context *ctx, const igi_json *object, numbers
 
 static igi_status check_model(igi_context *ctx, const igi_json *object)
 {
-    static const char *const pinholes[] = {"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL",
-                                           "RADIAL", "FULL_OPENCV", "PERSPECTIVE"};
+    static const char *const pinholes[] = {"OPENCV",        "PINHOLE", "SIMPLE_PINHOLE",
+                                           "SIMPLE_RADIAL", "RADIAL",  "FULL_OPENCV",
+                                           "PERSPECTIVE"};
     igi_json model = igi_json_member(object, "camera_model");
     igi_json fisheye = igi_json_member(object, "is_fisheye");
     if (json_is_true(fisheye.value))
@@ -46,8 +56,10 @@ static igi_status check_model(igi_context *ctx, const igi_json *object)
     IGI_TRY(igi_json_string(ctx, &model, &name));
     for (size_t i = 0; i < sizeof pinholes / sizeof pinholes[0]; i++)
         if (strcmp(name, pinholes[i]) == 0) return IGI_OK;
-    return igi_json_fail(ctx, &model, "camera model \"%s\" is not known; undistort the images, or "
-                                      "use OPENCV", name);
+    return igi_json_fail(ctx, &model,
+                         "camera model \"%s\" is not known; undistort the images, or "
+                         "use OPENCV",
+                         name);
 }
 
 static double otherwise(double value, double fallback)
@@ -67,8 +79,10 @@ static igi_status make_camera(igi_context *ctx, const igi_json *frame, const cha
     } else {
         int channels, bands;
         if (igi_image_probe_exr(ctx, path, &c->width, &c->height, &channels, &bands) != IGI_OK)
-            return igi_json_fail(ctx, frame, "no \"w\" and \"h\", and %s does not tell them; give "
-                                             "them", path);
+            return igi_json_fail(ctx, frame,
+                                 "no \"w\" and \"h\", and %s does not tell them; give "
+                                 "them",
+                                 path);
     }
     if (otherwise(n->k4, 0) != 0)
         return igi_json_fail(ctx, frame, "\"k4\" is not 0, as of a fisheye; undistort the images");
@@ -106,8 +120,9 @@ static igi_status read_matrix(igi_context *ctx, const igi_json *frame, igi_camer
             return igi_json_fail(ctx, &row, "is the last row and must be 0 0 0 1");
     }
     if (!igi_frame_orthonormalize(c))
-        return igi_json_fail(ctx, &matrix, "is no rotation and translation; its first three columns "
-                                           "must be at right angles, of one length, right-handed");
+        return igi_json_fail(ctx, &matrix,
+                             "is no rotation and translation; its first three columns "
+                             "must be at right angles, of one length, right-handed");
     return IGI_OK;
 }
 

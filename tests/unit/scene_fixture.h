@@ -13,12 +13,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define BOX_OBJ                                                                   \
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"    \
-    "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"                                            \
+#define BOX_OBJ                                                                \
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n" \
+    "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"                                         \
     "usemtl floor\nf 1/1 2/2 3/3 4/4\nusemtl lamp\nf 5 8 7 6\nusemtl wall\nf 1 5 6 2\n"
-#define BOX_SCENE                                                                           \
-    "{ \"igi\": 1, \"name\": \"box\",\n  \"mesh\": \"scene.obj\",\n"                        \
+#define BOX_SCENE                                                    \
+    "{ \"igi\": 1, \"name\": \"box\",\n  \"mesh\": \"scene.obj\",\n" \
     "  \"cameras\": \"transforms.json\",\n  \"lights\": [\n    %s ],\n  \"regions\": {\n    %s }\n}\n"
 #define BOX_LIGHT "{ \"type\": \"area\", \"region\": \"lamp\", \"radiance\": [1, 2, 3] }"
 #define BOX_REGIONS "\"floor\": { \"textured\": true }, \"lamp\": { \"emitter\": true }"
@@ -93,19 +93,19 @@ static inline const char *load_sentence(igi_status *status)
 }
 
 /* Loading must fail so, with this in the sentence. */
-#define CHECK_REFUSED(want_status, part)                \
-    do {                                                \
-        igi_status got_status_;                         \
+#define CHECK_REFUSED(want_status, part)                     \
+    do {                                                     \
+        igi_status got_status_;                              \
         const char *sentence_ = load_sentence(&got_status_); \
-        CHECK_CONTAINS(sentence_, part);                \
-        CHECK(got_status_ == (want_status));            \
+        CHECK_CONTAINS(sentence_, part);                     \
+        CHECK(got_status_ == (want_status));                 \
     } while (0)
 
-#define CHECK_LOADS()                                   \
-    do {                                                \
-        igi_status got_status_;                         \
-        CHECK_STR(load_sentence(&got_status_), "");     \
-        CHECK(got_status_ == IGI_OK);                   \
+#define CHECK_LOADS()                               \
+    do {                                            \
+        igi_status got_status_;                     \
+        CHECK_STR(load_sentence(&got_status_), ""); \
+        CHECK(got_status_ == IGI_OK);               \
     } while (0)
 
 #endif

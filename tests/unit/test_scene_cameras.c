@@ -47,12 +47,13 @@ static void check_refused(const char *text, const char *sentence)
 static void all_keys(void)
 {
     write_fixture(FOLDER);
-    CHECK(transforms("{\"camera_model\":\"OPENCV\",\"w\":100.0,\"h\":50,\"fl_x\":80,\"fl_y\":81,"
-                     "\"cx\":49,\"cy\":26,\"k1\":0.1,\"k2\":0.2,\"k3\":0.3,\"p1\":0.4,\"p2\":0.5,"
-                     "\"aabb_scale\":16,\"ply_file_path\":\"x.ply\",\"frames\":["
-                     "{\"file_path\":\"./images/b.c.png\",\"sharpness\":3,\"transform_matrix\":" POSE "},"
-                     "{\"file_path\":\"images/a\",\"fl_x\":70,\"k1\":0,\"transform_matrix\":"
-                     "[[0,0,2,1],[2,0,0,2],[0,2,0,3]]}]}"));
+    CHECK(transforms(
+        "{\"camera_model\":\"OPENCV\",\"w\":100.0,\"h\":50,\"fl_x\":80,\"fl_y\":81,"
+        "\"cx\":49,\"cy\":26,\"k1\":0.1,\"k2\":0.2,\"k3\":0.3,\"p1\":0.4,\"p2\":0.5,"
+        "\"aabb_scale\":16,\"ply_file_path\":\"x.ply\",\"frames\":["
+        "{\"file_path\":\"./images/b.c.png\",\"sharpness\":3,\"transform_matrix\":" POSE "},"
+        "{\"file_path\":\"images/a\",\"fl_x\":70,\"k1\":0,\"transform_matrix\":"
+        "[[0,0,2,1],[2,0,0,2],[0,2,0,3]]}]}"));
     CHECK(frame_count == 2);
     if (frame_count == 2) {
         const igi_camera *c = &frames[0].camera;
@@ -100,21 +101,26 @@ static void bad_transforms(void)
     check_refused(ONE("\"w\":8,\"h\":6,\"fl_x\":-5,", POSE), "the focal length must be above 0");
     check_refused(ONE("\"w\":8,\"h\":6,\"fl_x\":5,\"k4\":1,", POSE), "undistort");
     check_refused(ONE("\"w\":8,\"h\":6,\"fl_x\":\"5\",", POSE), "t.json:2: \"fl_x\": is a string");
-    check_refused(ONE("\"camera_model\":\"OPENCV_FISHEYE\",", POSE), "t.json:2: \"camera_model\": ");
+    check_refused(ONE("\"camera_model\":\"OPENCV_FISHEYE\",", POSE),
+                  "t.json:2: \"camera_model\": ");
     check_refused(ONE("\"is_fisheye\":true,", POSE), "undistort the images");
 #define GOOD "\"w\":8,\"h\":6,\"fl_x\":5,"
-    check_refused(ONE(GOOD, "[[1,0,0,0],[0,1,0,0]]"), "t.json:4: \"frames[0].transform_matrix\": has 2");
-    check_refused(ONE(GOOD, "[[1,0,0,0],[0,1,0],[0,0,1,0]]"), "transform_matrix[1]\": has 3 numbers");
+    check_refused(ONE(GOOD, "[[1,0,0,0],[0,1,0,0]]"),
+                  "t.json:4: \"frames[0].transform_matrix\": has 2");
+    check_refused(ONE(GOOD, "[[1,0,0,0],[0,1,0],[0,0,1,0]]"),
+                  "transform_matrix[1]\": has 3 numbers");
     check_refused(ONE(GOOD, "[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,2]]"), "must be 0 0 0 1");
     check_refused(ONE(GOOD, "[[1,0,0,0],[0,1,0,0],[0,0,0,0]]"), "is no rotation and translation");
     check_refused(ONE(GOOD, "[[1,0,0,0],[0,2,0,0],[0,0,1,0]]"), "is no rotation and translation");
     check_refused(ONE(GOOD, "[[1,0.1,0,0],[0,1,0,0],[0,0,1,0]]"), "is no rotation and translation");
     check_refused(ONE(GOOD, "[[-1,0,0,0],[0,1,0,0],[0,0,1,0]]"), "right-handed");
-    check_refused(ONE(GOOD, "[[1,0,0,1e300],[0,1,0,0],[0,0,1,0]]"), "is no rotation and translation");
+    check_refused(ONE(GOOD, "[[1,0,0,1e300],[0,1,0,0],[0,0,1,0]]"),
+                  "is no rotation and translation");
     check_refused("{\"frames\":[]}", "\"frames\": is empty");
     check_refused("{}", "\"frames\": is missing");
     check_refused("[]", "is an array; give an object");
-    check_refused("{\"frames\":[{\"transform_matrix\":" POSE "}]}", "\"frames[0].file_path\": is missing");
+    check_refused("{\"frames\":[{\"transform_matrix\":" POSE "}]}",
+                  "\"frames[0].file_path\": is missing");
     CHECK(!load("nowhere.json"));
     CHECK_CONTAINS(igi_context_message(ctx), FOLDER "/nowhere.json: no such file");
     finish();
@@ -145,11 +151,11 @@ static void check_colmap_pose(const igi_camera *camera)
     CHECK(!igi_camera_project(c, igi_v(-9, 2, 3), &x, &y)); /* behind */
 }
 
-#define CAMERAS_TXT                                                            \
+#define CAMERAS_TXT                                                             \
     "# Camera list\n1 PINHOLE 8 6 5 5.5 4 3\r\n2 SIMPLE_RADIAL 8 6 5 4 3 0.1\n" \
     "7 FULL_OPENCV 8 6 5 5 4 3 1 2 3 4 5 0 0 0\n"
 #define POSE_TXT "0.5 0.5 -0.5 0.5 2 3 -1"
-#define IMAGES_TXT                                                                      \
+#define IMAGES_TXT                                                                          \
     "# Image list\n#\n1 " POSE_TXT " 1 b.png\n1.0 2.0 -1 3 4 5\n2 " POSE_TXT " 2 a.exr\n\n" \
     "3 " POSE_TXT " 7 c d.exr\n"
 
@@ -172,7 +178,7 @@ static void colmap_text(void)
         CHECK_STR(frames[1].name, "b");
         CHECK_STR(frames[2].name, "c d");
         CHECK_STR(frames[0].path, FOLDER "/colmap/../images/a.exr");
-        CHECK_STR(frames[1].path, FOLDER "/colmap/../images/b.exr"); /* beside what COLMAP saw */
+        CHECK_STR(frames[1].path, FOLDER "/colmap/../images/b.exr");   /* beside what COLMAP saw */
         CHECK_STR(frames[2].path, FOLDER "/colmap/../images/c d.exr"); /* not there */
         CHECK(frames[0].camera.k1 == .1 && frames[0].camera.fl_y == 5);
         CHECK(frames[1].camera.fl_y == 5.5 && frames[1].camera.width == 8);
@@ -194,7 +200,8 @@ static void bad_colmap_text(void)
         {"1 PINHOLE 0 6 5 5 4 3\n", IMAGES_TXT, "cameras.txt:1: no width and height"},
         {"\nx PINHOLE\n", IMAGES_TXT, "cameras.txt:2: no camera's number"},
         {"1 PINHOLE 8 6 0 5 4 3\n", IMAGES_TXT, "cameras.txt:1: the focal length"},
-        {"1 PINHOLE 8 6 nan 5 4 3\n", IMAGES_TXT, "cameras.txt:1: an intrinsic number is not finite"},
+        {"1 PINHOLE 8 6 nan 5 4 3\n", IMAGES_TXT,
+         "cameras.txt:1: an intrinsic number is not finite"},
         {"1 FULL_OPENCV 8 6 5 5 4 3 0 0 0 0 0 1 0 0\n", "", "FULL_OPENCV with k4"},
         {CAMERAS_TXT, "1 " POSE_TXT " 3 b.png\n\n", "images.txt:1: the image names a camera that"},
         {CAMERAS_TXT, "\n1 0 0 0 0 2 3 -1 1 b.png\n", "images.txt:2: the rotation's quaternion"},
@@ -304,7 +311,7 @@ static void missing_images(void)
     write_fixture(FOLDER);
     (void)unlink(FOLDER "/images/b.exr");
     CHECK_REFUSED(IGI_E_DATA, FOLDER "/transforms.json: 1 of 2 images cannot be opened: " FOLDER
-                              "/images/b; put them there, or remove their frames");
+                                     "/images/b; put them there, or remove their frames");
     at += sprintf(at, "{\"w\":8,\"h\":6,\"fl_x\":5,\"frames\":[");
     for (int i = 0; i < 20; i++)
         at += sprintf(at, "%s{\"file_path\":\"images/%c.exr\",\"transform_matrix\":" POSE "}",
@@ -321,7 +328,8 @@ static void images_that_do_not_fit(void)
     write_image("images/b.exr", 8, 7, 3);
     CHECK_REFUSED(IGI_E_DATA, FOLDER "/images/b.exr: is 8x7 pixels, but its camera 8x6; give");
     write_image("images/b.exr", 8, 6, 5);
-    CHECK_REFUSED(IGI_E_DATA, FOLDER "/images/b.exr: has 5 bands, but " FOLDER "/images/a.exr has 3");
+    CHECK_REFUSED(IGI_E_DATA,
+                  FOLDER "/images/b.exr: has 5 bands, but " FOLDER "/images/a.exr has 3");
     write_image("images/b.exr", 8, 6, 4); /* alpha is no band */
     CHECK_LOADS();
     write_text("images/b.exr", "v/1\x01");
@@ -350,9 +358,10 @@ static void truncated_header(void)
 static void doubled_frame(void)
 {
     write_fixture(FOLDER);
-    write_text("transforms.json", "{\"w\":8,\"h\":6,\"fl_x\":5,\"frames\":["
-                                  "{\"file_path\":\"images/a\",\"transform_matrix\":" POSE "},"
-                                  "{\"file_path\":\"images/a.exr\",\"transform_matrix\":" POSE "}]}");
+    write_text("transforms.json",
+               "{\"w\":8,\"h\":6,\"fl_x\":5,\"frames\":["
+               "{\"file_path\":\"images/a\",\"transform_matrix\":" POSE "},"
+               "{\"file_path\":\"images/a.exr\",\"transform_matrix\":" POSE "}]}");
     CHECK_REFUSED(IGI_E_DATA, "two frames name " FOLDER "/images/a.exr; remove one");
 }
 

@@ -40,15 +40,16 @@ static void every_light(void)
     write_fixture(FOLDER);
     write_text("lamp.ies", "IESNA:LM-63-1995\n");
     write_image("sky.exr", 8, 4, 3);
-    write_scene("{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":[4,5,6]},"
-                "{\"type\":\"spot\",\"position\":[1,2,3],\"direction\":[0,0,-2],\"cutoff_deg\":40,"
-                "\"beam_deg\":30},"
-                "{\"type\":\"line\",\"from\":[1,2,3],\"to\":[4,5,6],\"intensity\":[1,1,1]},"
-                "{\"type\":\"goniometric\",\"position\":[1,2,3],\"profile\":\"lamp.ies\",\"scale\":2},"
-                "{\"type\":\"directional\",\"direction\":[3,0,4],\"irradiance\":[1,1,1]},"
-                "{\"type\":\"env\",\"image\":\"sky.exr\",\"rotation_deg\":30},"
-                "{\"type\":\"ambient\",\"radiance\":[1,0,0]}",
-                BOX_REGIONS);
+    write_scene(
+        "{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":[4,5,6]},"
+        "{\"type\":\"spot\",\"position\":[1,2,3],\"direction\":[0,0,-2],\"cutoff_deg\":40,"
+        "\"beam_deg\":30},"
+        "{\"type\":\"line\",\"from\":[1,2,3],\"to\":[4,5,6],\"intensity\":[1,1,1]},"
+        "{\"type\":\"goniometric\",\"position\":[1,2,3],\"profile\":\"lamp.ies\",\"scale\":2},"
+        "{\"type\":\"directional\",\"direction\":[3,0,4],\"irradiance\":[1,1,1]},"
+        "{\"type\":\"env\",\"image\":\"sky.exr\",\"rotation_deg\":30},"
+        "{\"type\":\"ambient\",\"radiance\":[1,0,0]}",
+        BOX_REGIONS);
     igi_context *ctx = test_context(1);
     igi_scene *scene = NULL;
     CHECK_OK(ctx, igi_scene_load(ctx, FOLDER, &scene));
@@ -80,16 +81,19 @@ static void unknown_keys(void)
 {
     write_fixture(FOLDER);
     write_text("scene.json", "{ \"igi\": 1,\n  \"mash\": \"scene.obj\" }\n");
-    CHECK_REFUSED(IGI_E_DATA, FOLDER "/scene.json:2: \"mash\": unknown key; did you mean \"mesh\"?");
+    CHECK_REFUSED(IGI_E_DATA,
+                  FOLDER "/scene.json:2: \"mash\": unknown key; did you mean \"mesh\"?");
     write_text("scene.json", "{ \"igi\": 1,\n\n\"author\": \"x\" }\n");
     CHECK_REFUSED(IGI_E_DATA, FOLDER "/scene.json:3: \"author\": unknown key; remove it");
     write_scene(BOX_LIGHT, "\"floor\": {\n \"texturd\": true }");
     CHECK_REFUSED(IGI_E_DATA, "scene.json:8: \"regions.floor.texturd\": unknown key; did you mean "
                               "\"textured\"?");
-    write_scene("{ \"type\": \"area\",\n \"region\": \"lamp\",\n \"intensity\": [1,2,3] }", BOX_REGIONS);
+    write_scene("{ \"type\": \"area\",\n \"region\": \"lamp\",\n \"intensity\": [1,2,3] }",
+                BOX_REGIONS);
     CHECK_REFUSED(IGI_E_DATA, "scene.json:7: \"lights[0].intensity\": unknown key");
     write_scene(BOX_LIGHT ",\n" BOX_LIGHT, BOX_REGIONS);
-    CHECK_REFUSED(IGI_E_DATA, "scene.json:6: \"lights[1]\": another light is region \"lamp\" already");
+    CHECK_REFUSED(IGI_E_DATA,
+                  "scene.json:6: \"lights[1]\": another light is region \"lamp\" already");
     write_scene("{ \"type\": \"aera\", \"region\": \"lamp\" }", BOX_REGIONS);
     CHECK_REFUSED(IGI_E_DATA, "scene.json:5: \"lights[0].type\": no kind of light is \"aera\"; did "
                               "you mean \"area\"?");
@@ -105,7 +109,8 @@ static void lines_of_awkward_text(void)
                              "  \"mesh\": \"scene.obj\", \"cameras\": \"transforms.json\",\r\n"
                              "  \"lights\": [ { \"type\": \"ambient\", \"radiance\": [1,\r\n"
                              "  2, \"}\"\r\n ] } ] }");
-    CHECK_REFUSED(IGI_E_DATA, "scene.json:4: \"lights[0].radiance[2]\": is a string; give a number");
+    CHECK_REFUSED(IGI_E_DATA,
+                  "scene.json:4: \"lights[0].radiance[2]\": is a string; give a number");
 }
 
 static void types_and_values(void)
@@ -153,14 +158,16 @@ static void regions_that_are_not_there(void)
 {
     write_fixture(FOLDER);
     write_scene(BOX_LIGHT, "\"flor\": {}");
-    CHECK_REFUSED(IGI_E_DATA, "scene.json:7: \"regions.flor\": the mesh has no region \"flor\"; did "
-                              "you mean \"floor\"?");
+    CHECK_REFUSED(IGI_E_DATA,
+                  "scene.json:7: \"regions.flor\": the mesh has no region \"flor\"; did "
+                  "you mean \"floor\"?");
     write_scene(BOX_LIGHT, "\"chandelier\": {}");
     CHECK_REFUSED(IGI_E_DATA, "the mesh has no region \"chandelier\" with any area");
     write_scene(BOX_LIGHT, "\"floor\": { \"emitter\": 1 }");
     CHECK_REFUSED(IGI_E_DATA, "\"regions.floor.emitter\": is a number; give true or false");
     write_scene(BOX_LIGHT, "\"lamp\": { \"emitter\": false }");
-    CHECK_REFUSED(IGI_E_DATA, "\"regions.lamp.emitter\": is false, but an area light names the region");
+    CHECK_REFUSED(IGI_E_DATA,
+                  "\"regions.lamp.emitter\": is false, but an area light names the region");
     write_scene(BOX_LIGHT, "\"floor\": []");
     CHECK_REFUSED(IGI_E_DATA, "\"regions.floor\": is an array; give an object");
     write_scene(BOX_LIGHT, ""); /* regions that the manifest leaves out are as igi finds them */
@@ -230,8 +237,9 @@ static void lights_alone(void)
     size_t count = 7;
     CHECK_OK(ctx, igi_scene_load(ctx, FOLDER, &scene));
     if (!scene) return;
-    write_text("lights.json", "{ \"lights\": [" BOX_LIGHT
-                              ",\n{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":[4,5,6]}] }");
+    write_text("lights.json",
+               "{ \"lights\": [" BOX_LIGHT
+               ",\n{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":[4,5,6]}] }");
     CHECK_OK(ctx, igi_lights_load(ctx, scene, FOLDER "/lights.json", &lights, &count));
     CHECK(count == 2 && lights[0].region == 1 && lights[1].value[1] == 5);
     igi_lights_destroy(lights, count);
@@ -241,7 +249,8 @@ static void lights_alone(void)
     igi_lights_destroy(lights, count);
     write_text("lights.json", "{ \"lights\": [\n{\"type\":\"area\",\"region\":\"wall\"}] }");
     CHECK(igi_lights_load(ctx, scene, FOLDER "/lights.json", &lights, &count) == IGI_E_DATA);
-    CHECK_CONTAINS(igi_context_message(ctx), "lights.json:2: \"lights[0]\": region \"wall\" is no emitter");
+    CHECK_CONTAINS(igi_context_message(ctx),
+                   "lights.json:2: \"lights[0]\": region \"wall\" is no emitter");
     CHECK(!lights && count == 0);
     write_text("lights.json", "{ \"light\": [] }");
     CHECK(igi_lights_load(ctx, scene, FOLDER "/lights.json", &lights, &count) == IGI_E_DATA);

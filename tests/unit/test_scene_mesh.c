@@ -60,7 +60,9 @@ static void polygons(void)
 {
     igi_scene *s = obj_of(SQUARE "v .5 1.5 0\nf 1 2 3 5 4\n");
     CHECK(s && s->mesh.triangle_count == 3 && s->mesh.vertex_count == 5);
-    if (s) CHECK(has_triangle(s, 0, 0, 1, 2) && has_triangle(s, 1, 0, 2, 4) && has_triangle(s, 2, 0, 4, 3));
+    if (s)
+        CHECK(has_triangle(s, 0, 0, 1, 2) && has_triangle(s, 1, 0, 2, 4) &&
+              has_triangle(s, 2, 0, 4, 3));
     if (s) CHECK_STR(s->regions[0].name, "default");
     if (s) CHECK(!s->mesh.uvs && !s->regions[0].has_uvs && !s->regions[0].uvs_wrap);
     finish();
@@ -75,10 +77,14 @@ static void indices(void)
     finish();
     check_refused(SQUARE "f 1 2 0\n", "m.obj:5: a face names a vertex that cannot be");
     check_refused(SQUARE "f 1 2 -5\n", "m.obj:5: a face names a vertex that cannot be");
-    check_refused(SQUARE "f 1 2 3\n\nf 1 2 9\n", "m.obj:7: a face names vertex 9, but there are only 4");
-    check_refused(SQUARE "f 1 2 99999999999999999999\n", "m.obj:5: a face names a vertex that cannot");
-    check_refused(SQUARE "vt 0 0\nf 1/1 2/2 3/1\n", "m.obj:6: a face names texture coordinate 2, but");
-    check_refused(SQUARE "vt 0 0\nf 1/1 2/0 3/1\n", "m.obj:6: a face names a texture coordinate that");
+    check_refused(SQUARE "f 1 2 3\n\nf 1 2 9\n",
+                  "m.obj:7: a face names vertex 9, but there are only 4");
+    check_refused(SQUARE "f 1 2 99999999999999999999\n",
+                  "m.obj:5: a face names a vertex that cannot");
+    check_refused(SQUARE "vt 0 0\nf 1/1 2/2 3/1\n",
+                  "m.obj:6: a face names texture coordinate 2, but");
+    check_refused(SQUARE "vt 0 0\nf 1/1 2/0 3/1\n",
+                  "m.obj:6: a face names a texture coordinate that");
     check_refused(SQUARE "f 1 2 x\n", "m.obj:5: a face names a vertex that cannot be");
     check_refused(SQUARE "f 1 2\n", "m.obj:5: a face of less than three corners");
     check_refused(SQUARE "f\n", "m.obj:5: a face of less than three corners");
@@ -87,10 +93,11 @@ static void indices(void)
 
 static void corner_forms(void)
 {
-    igi_scene *s = obj_of(SQUARE "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n"
-                                 "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1//1 2//1 3//1\n"
-                                 "usemtl c\nf 1/1/1 2/2/-1 3/3/1\nusemtl d\nf -4/-3 -3/-2/-1 -2/-1\n"
-                                 "usemtl e\nf 1/1 2/2 3\n");
+    igi_scene *s = obj_of(SQUARE
+                          "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n"
+                          "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1//1 2//1 3//1\n"
+                          "usemtl c\nf 1/1/1 2/2/-1 3/3/1\nusemtl d\nf -4/-3 -3/-2/-1 -2/-1\n"
+                          "usemtl e\nf 1/1 2/2 3\n");
     CHECK(s && s->mesh.triangle_count == 5 && s->region_count == 5 && s->mesh.uvs);
     if (!s || !s->mesh.uvs) return;
     const bool has_uvs[5] = {true, false, true, true, false};
@@ -107,8 +114,9 @@ static void corner_forms(void)
 
 static void regions(void)
 {
-    igi_scene *s = obj_of(SQUARE "usemtl unused\nusemtl  two words \t\nf 1 2 3\nusemtl b\r\nf 1 3 4\n"
-                                 "usemtl two words\nf 2 3 4\nusemtl\nf 1 2 4\n");
+    igi_scene *s = obj_of(SQUARE
+                          "usemtl unused\nusemtl  two words \t\nf 1 2 3\nusemtl b\r\nf 1 3 4\n"
+                          "usemtl two words\nf 2 3 4\nusemtl\nf 1 2 4\n");
     CHECK(s && s->region_count == 3);
     if (s) {
         CHECK_STR(s->regions[0].name, "two words");
@@ -141,9 +149,10 @@ static void many_regions(void)
 
 static void layout_of_lines(void)
 {
-    igi_scene *s = obj_of("# made by hand \\\nv 0 0 0 # origin\r\n\tv 1 0 \\\n 0\nv 1 1 0 .5 .5 .5\n\n"
-                          "v 0 1 0 1\no thing\ng a b\ns off\nmtllib x.mtl\nl 1 2\np 1\nvn 0 0 1\n"
-                          "f 1 2 \\\r\n 3\nf 1 3 4");
+    igi_scene *s = obj_of(
+        "# made by hand \\\nv 0 0 0 # origin\r\n\tv 1 0 \\\n 0\nv 1 1 0 .5 .5 .5\n\n"
+        "v 0 1 0 1\no thing\ng a b\ns off\nmtllib x.mtl\nl 1 2\np 1\nvn 0 0 1\n"
+        "f 1 2 \\\r\n 3\nf 1 3 4");
     CHECK(s && s->mesh.vertex_count == 4 && s->mesh.triangle_count == 2);
     if (s) CHECK(s->mesh.positions[3] == 1 && s->mesh.positions[5] == 0);
     finish();
@@ -170,11 +179,13 @@ static void zero_area(void)
     CHECK(s && s->mesh.triangle_count == 1 && s->region_count == 1);
     if (s) {
         CHECK(s->warning_count == 1);
-        CHECK_STR(s->warnings[0], FOLDER "/m.obj:6: 3 triangles without area left out, this the first");
+        CHECK_STR(s->warnings[0],
+                  FOLDER "/m.obj:6: 3 triangles without area left out, this the first");
     }
     s = obj_of("v 0 0 0\nv 1 1 1\nv 2 2 2\nv 1 1 1.001\nf 1 2 3\nf 1 2 4\n"); /* one on a line */
     CHECK(s && s->mesh.triangle_count == 1 && s->warning_count == 1);
-    if (s && s->warning_count == 1) CHECK_CONTAINS(s->warnings[0], "m.obj:5: 1 triangle without area");
+    if (s && s->warning_count == 1)
+        CHECK_CONTAINS(s->warnings[0], "m.obj:5: 1 triangle without area");
     check_refused(SQUARE "f 1 1 1\n", "m.obj: no triangle has any area; mend the mesh");
     check_refused(SQUARE, "m.obj: no triangles; the mesh needs faces");
     check_refused("", "m.obj: no triangles");
@@ -237,9 +248,9 @@ static void numbers(void)
     }
 }
 
-#define PLY                                                                                      \
-    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"              \
-    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"     \
+#define PLY                                                                                  \
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"          \
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" \
     "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"
 
 static void ply(void)
@@ -258,18 +269,18 @@ static void ply(void)
 }
 
 /* One triangle, twice: as it is, and mirrored in x and moved by a node of material "red". */
-#define GLTF                                                                                     \
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"               \
-    "\"nodes\":[{\"mesh\":0},{\"scale\":[-1,1,1],\"translation\":[10,0,0],\"children\":[2]},"    \
-    "{\"mesh\":1,\"translation\":[0,0,3]}],\"materials\":[{\"name\":\"white\"},{\"name\":\"red\"}]," \
-    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2," \
-    "\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":2,"         \
+#define GLTF                                                                                             \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"                       \
+    "\"nodes\":[{\"mesh\":0},{\"scale\":[-1,1,1],\"translation\":[10,0,0],\"children\":[2]},"            \
+    "{\"mesh\":1,\"translation\":[0,0,3]}],\"materials\":[{\"name\":\"white\"},{\"name\":\"red\"}],"     \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"      \
+    "\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":2,"                 \
     "\"material\":1}]}],\"buffers\":[{\"byteLength\":66,\"uri\":\"data:application/octet-stream;base64," \
-    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA+AAABAAIA\"}]," \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"         \
-    "\"byteLength\":24},{\"buffer\":0,\"byteOffset\":60,\"byteLength\":6}],"                     \
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","      \
-    "\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"count\":3,"     \
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA+AAABAAIA\"}],"      \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"                 \
+    "\"byteLength\":24},{\"buffer\":0,\"byteOffset\":60,\"byteLength\":6}],"                             \
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","             \
+    "\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"count\":3,"             \
     "\"type\":\"VEC2\"},{\"bufferView\":2,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}"
 
 static void gltf(void)
