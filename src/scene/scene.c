@@ -8,12 +8,10 @@
 #include "scene/json.h"
 #include "scene/manifest.h"
 #include "scene/mesh.h"
-
-#include <igi/image.h>
+#include "scene/photos.h"
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format, ...)
@@ -99,69 +97,6 @@ static igi_status read_mesh(igi_context *ctx, const igi_json *root, igi_scene *s
     return status;
 }
 
-/* All images that are not there, in one sentence. */
-static igi_status check_presence(igi_context *ctx, const igi_scene *scene, const char *cameras)
-{
-    char names[512] = "";
-    size_t missing = 0, length = 0;
-    for (size_t i = 0; i < scene->frame_count; i++) {
-        if (igi_file_exists(scene->frames[i].path)) continue;
-        if (missing++ >= 3 || length >= sizeof names) continue;
-        int more = snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "",
-                            scene->frames[i].path);
-        length += more > 0 ? (size_t)more : 0;
-    }
-    if (missing == 0) return IGI_OK;
-    return igi_fail(ctx, IGI_E_DATA,
-                    "%s: %zu of %zu images cannot be opened: %s%s; put them there, or remove their "
-                    "frames",
-                    cameras, missing, scene->frame_count, names, missing > 3 ? ", ..." : "");
-}
-
-static igi_status check_image(igi_context *ctx, igi_scene *scene, size_t number)
-{
-    const igi_frame *frame = &scene->frames[number];
-    int width, height, channels, bands;
-    IGI_TRY(igi_image_probe_exr(ctx, frame->path, &width, &height, &channels, &bands));
-    if (width != frame->camera.width || height != frame->camera.height)
-        return igi_fail(
-            ctx, IGI_E_DATA,
-            "%s: is %dx%d pixels, but its camera %dx%d; give w and h (and fl_x, cx ...) "
-            "of the image",
-            frame->path, width, height, frame->camera.width, frame->camera.height);
-    if (bands < 1 || bands > IGI_MAX_BANDS)
-        return igi_fail(ctx, IGI_E_DATA, "%s: has %d bands; export 1 to %d of them", frame->path,
-                        bands, IGI_MAX_BANDS);
-    if (number == 0) scene->bands = bands;
-    if (bands != scene->bands)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: has %d bands, but %s has %d; all images must have the same",
-                        frame->path, bands, scene->frames[0].path, scene->bands);
-    return IGI_OK;
-}
-
-static int by_path(const void *a, const void *b)
-{
-    const igi_frame *const *x = a, *const *y = b;
-    return strcmp((*x)->path, (*y)->path);
-}
-
-/* A photograph counts once: its noise is not another's. */
-static igi_status check_doubles(igi_context *ctx, const igi_scene *scene, const char *cameras)
-{
-    const igi_frame **order;
-    igi_status status = IGI_OK;
-    IGI_TRY(IGI_ALLOC(ctx, scene->frame_count, &order));
-    for (size_t i = 0; i < scene->frame_count; i++) order[i] = &scene->frames[i];
-    qsort(order, scene->frame_count, sizeof *order, by_path);
-    for (size_t i = 1; i < scene->frame_count && status == IGI_OK; i++)
-        if (strcmp(order[i - 1]->path, order[i]->path) == 0)
-            status = igi_fail(ctx, IGI_E_DATA, "%s: two frames name %s; remove one", cameras,
-                              order[i]->path);
-    igi_free(order);
-    return status;
-}
-
 static igi_status read_cameras(igi_context *ctx, const igi_json *root, igi_scene *scene)
 {
     igi_json cameras = igi_json_member(root, "cameras");
@@ -169,9 +104,7 @@ static igi_status read_cameras(igi_context *ctx, const igi_json *root, igi_scene
     IGI_TRY(named_path(ctx, &cameras, scene, &path));
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(igi_frames_load(ctx, path, &scene->frames, &scene->frame_count));
-    IGI_TRY_GOTO(check_presence(ctx, scene, path));
-    IGI_TRY_GOTO(check_doubles(ctx, scene, path));
-    for (size_t i = 0; i < scene->frame_count; i++) IGI_TRY_GOTO(check_image(ctx, scene, i));
+    IGI_TRY_GOTO(igi_photos_check(ctx, scene, path));
 cleanup:
     igi_free(path);
     return status;
