@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * igi_merge: from photographs and stated exposures to one radiance image, in two passes over the
+ * files. The first, from the shortest to the longest, sees neighbours side by side: shifts,
+ * comparagrams, ratios. The second adds them up.
+ */
+#include "base/context.h"
+#include "hdr/merge_private.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A third of a stop: cameras round their times by less. */
+#define FALSE_RATIO (.693147 / 3)
+
+typedef struct ordered {
+    const igi_exposure *exposure;
+    double h;
+    size_t given; /* its place in the caller's order */
+} ordered;
+
+static int by_exposure(const void *a, const void *b)
+{
+    const ordered *x = a, *y = b;
+    if (x->h != y->h) return x->h < y->h ? -1 : 1;
+    return (x->given > y->given) - (x->given < y->given);
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static igi_status order_exposures(igi_context *ctx, const igi_exposure *exposures, size_t count,
+                                  ordered *frames)
+{
+    for (size_t i = 0; i < count; i++) {
+        const igi_exposure *e = &exposures[i];
+        if (!(e->time_s > 0 && e->time_s < 1e6) || (e->f_number > 0) != (exposures[0].f_number > 0) ||
+            (e->iso > 0) != (exposures[0].iso > 0))
+            return igi_fail(ctx, IGI_E_DATA,
+                            "%s: its exposure time is not positive, or it alone has, or lacks, an "
+                            "f-number or ISO; state the same of all photographs",
+                            e->path);
+        frames[i] = (ordered){e, igi_hdr_exposure(e), i};
+    }
+    qsort(frames, count, sizeof *frames, by_exposure);
+    return IGI_OK;
+}
+
+static igi_status check_shape(igi_context *ctx, const char *path, const igi_photo *photo,
+                              const char *first_path, const igi_photo *first)
+{
+    if (photo->width == first->width && photo->height == first->height &&
+        photo->channels == first->channels && photo->levels == first->levels)
+        return IGI_OK;
+    return igi_fail(ctx, IGI_E_DATA,
+                    "%s: %d x %d pixels, %d channels of %d levels, and %s has %d x %d, %d of %d; "
+                    "a bracket is of one camera and one size",
+                    path, photo->width, photo->height, photo->channels, photo->levels,
+                    base_name(first_path), first->width, first->height, first->channels,
+                    first->levels);
+}
+
+static igi_response_kind choose_response(const igi_merge_options *options, const igi_photo *photo,
+                                         size_t count)
+{
+    if (options->response != IGI_RESPONSE_AUTO) return options->response;
+    if (photo->linear || photo->levels > 256) return IGI_RESPONSE_LINEAR;
+    return count > 1 ? IGI_RESPONSE_RECOVERED : IGI_RESPONSE_SRGB;
+}
+
+static igi_status known_response(igi_context *ctx, igi_response_kind kind,
+                                 const igi_merge_options *options, const igi_photo *photo,
+                                 igi_response **response)
+{
+    const igi_response *given = options->given;
+    if (kind == IGI_RESPONSE_GIVEN &&
+        (!given || given->channels != photo->channels || given->levels != photo->levels))
+        return igi_fail(ctx, IGI_E_DATA,
+                        "response: it is given for %d channels of %d levels, and the photographs "
+                        "have %d of %d; calibrate with such photographs",
+                        given ? given->channels : 0, given ? given->levels : 0, photo->channels,
+                        photo->levels);
+    IGI_TRY(igi_response_create(ctx, photo->channels, photo->levels, response));
+    size_t count = (size_t)photo->channels * (size_t)photo->levels;
+    if (kind == IGI_RESPONSE_GIVEN) {
+        memcpy((*response)->exposure, given->exposure, count * sizeof *given->exposure);
+        memcpy((*response)->low, given->low, sizeof given->low);
+        memcpy((*response)->high, given->high, sizeof given->high);
+    }
+    for (size_t i = 0; kind == IGI_RESPONSE_SRGB && i < count; i++) {
+        double v = (double)(*response)->exposure[i];
+        (*response)->exposure[i] = (float)(v <= .04045 ? v / 12.92 : pow((v + .055) / 1.055, 2.4));
+    }
+    return IGI_OK;
+}
+
+typedef struct job {
+    const igi_merge_options *options;
+    ordered *frames;
+    igi_bracket bracket;
+    igi_response *response; /* NULL until known */
+    bool fitted;
+} job;
+
+/* Two neighbours: their shift, and what they say about the response or the ratio. */
+static igi_status compare_neighbours(igi_context *ctx, job *j, size_t pair, const igi_photo *a,
+                                     const igi_photo *b)
+{
+    igi_bracket *bracket = &j->bracket;
+    igi_shift step = {0, 0};
+    if (j->options->align) IGI_TRY(igi_hdr_align(ctx, a, b, &step));
+    bracket->shifts[pair + 1].x = bracket->shifts[pair].x + step.x;
+    bracket->shifts[pair + 1].y = bracket->shifts[pair].y + step.y;
+    if (!j->response) return igi_comparagram_fill(ctx, a, b, step, 1e6, &bracket->pairs[pair]);
+    return igi_hdr_measure_ratio(ctx, a, b, step, j->response,
+                                 bracket->log_h[pair + 1] - bracket->log_h[pair],
+                                 &bracket->log_ratio[pair]);
+}
+
+static igi_status first_pass(igi_context *ctx, job *j)
+{
+    igi_status status = IGI_OK;
+    igi_bracket *bracket = &j->bracket;
+    igi_photo *previous = NULL, *photo = NULL;
+    for (size_t i = 0; i < bracket->count; i++) {
+        const char *path = j->frames[i].exposure->path;
+        IGI_TRY_GOTO(igi_progress(ctx, (double)i / (2 * (double)bracket->count)));
+        IGI_TRY_GOTO(igi_photo_load(ctx, path, &photo));
+        if (i == 0) {
+            igi_response_kind kind = choose_response(j->options, photo, bracket->count);
+            bracket->channels = photo->channels;
+            bracket->levels = photo->levels;
+            if (kind != IGI_RESPONSE_RECOVERED)
+                IGI_TRY_GOTO(known_response(ctx, kind, j->options, photo, &j->response));
+        } else {
+            IGI_TRY_GOTO(check_shape(ctx, path, photo, j->frames[0].exposure->path, previous));
+            IGI_TRY_GOTO(compare_neighbours(ctx, j, i - 1, previous, photo));
+        }
+        igi_photo_destroy(previous);
+        previous = photo;
+        photo = NULL;
+    }
+cleanup:
+    igi_photo_destroy(previous);
+    igi_photo_destroy(photo);
+    return status;
+}
+
+/* Appends what is wrong with a pair; false when the sentence is full. */
+static bool describe(const job *j, size_t pair, double seen, char *sentence, size_t size)
+{
+    const igi_bracket *bracket = &j->bracket;
+    size_t length = strlen(sentence);
+    if (length + 200 > size) return false;
+    snprintf(sentence + length, size - length,
+             "%s%.60s is stated to have %.2f times the exposure of %.60s and shows %.2f",
+             length ? ", " : "", base_name(j->frames[pair + 1].exposure->path),
+             exp(bracket->log_h[pair + 1] - bracket->log_h[pair]),
+             base_name(j->frames[pair].exposure->path), exp(seen));
+    return true;
+}
+
+/* Refuses false lists; puts EXIF's ratio in the place of one that a camera's processing shows. */
+static igi_status judge_exposures(igi_context *ctx, job *j)
+{
+    igi_bracket *bracket = &j->bracket;
+    char wrong[800] = "", odd[800] = "";
+    size_t first = SIZE_MAX, more = 0;
+    for (size_t p = 0; p + 1 < bracket->count; p++) {
+        double stated = bracket->log_h[p + 1] - bracket->log_h[p], seen = bracket->log_ratio[p];
+        if (isnan(seen) || fabs(seen - stated) <= FALSE_RATIO) continue;
+        bool camera = j->frames[p].exposure->from_camera && j->frames[p + 1].exposure->from_camera;
+        if (camera && fabs(seen) > .02) {
+            (void)describe(j, p, seen, odd, sizeof odd);
+            bracket->log_ratio[p] = stated;
+            continue;
+        }
+        if (first == SIZE_MAX) first = p;
+        more += !describe(j, p, seen, wrong, sizeof wrong);
+    }
+    if (first != SIZE_MAX)
+        return igi_fail(ctx, IGI_E_DATA, "%s: false exposures: %s%s; correct the times",
+                        j->frames[first + 1].exposure->path, wrong, more ? ", and more" : "");
+    if (odd[0])
+        igi_warn(ctx, "the camera processed the photographs differently (%s): the radiance is "
+                      "rough; merge raw files where you have them", odd);
+    return IGI_OK;
+}
+
+/* What the pictures say replaces what is stated; the mean logarithm, and so the unit, stays. */
+static void use_measured_ratios(igi_bracket *bracket)
+{
+    double sum = 0, stated = 0, at = bracket->log_h[0], before = bracket->log_h[0];
+    for (size_t i = 0; i < bracket->count; i++) {
+        double here = bracket->log_h[i];
+        if (i > 0) {
+            double seen = bracket->log_ratio[i - 1];
+            at += isnan(seen) ? here - before : seen;
+        }
+        before = here;
+        stated += here;
+        sum += at;
+        bracket->log_h[i] = at;
+    }
+    for (size_t i = 0; i < bracket->count; i++)
+        bracket->log_h[i] += (stated - sum) / (double)bracket->count;
+}
+
+/* Ratios seen through a response that was fitted to the same pictures are checks, no better
+ * values: film and phones bend such a curve by more than a camera rounds its times. */
+static igi_status settle_exposures(igi_context *ctx, job *j)
+{
+    igi_bracket *bracket = &j->bracket;
+    if (bracket->count < 2) return IGI_OK;
+    j->fitted = !j->response;
+    if (j->fitted) IGI_TRY(igi_hdr_recover_response(ctx, bracket, &j->response));
+    IGI_TRY(judge_exposures(ctx, j));
+    if (!j->fitted && j->options->refine) use_measured_ratios(bracket);
+    return IGI_OK;
+}
+
+static igi_status second_pass(igi_context *ctx, job *j, igi_merged *out)
+{
+    igi_status status = IGI_OK;
+    const igi_bracket *bracket = &j->bracket;
+    const igi_merge_options *o = j->options;
+    noise_model model = {o->full_well_e > 0 ? o->full_well_e : 5000, o->read_noise, j->fitted};
+    accumulator *acc = NULL;
+    igi_photo *photo = NULL;
+    if (!(model.read_noise > 0)) model.read_noise = bracket->levels == 256 ? 2.5 : 12;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &acc));
+    for (size_t i = bracket->count; i-- > 0;) {
+        igi_merged_frame *frame = &out->frames[j->frames[i].given];
+        IGI_TRY_GOTO(igi_progress(ctx, 1 - (double)(i + 1) / (2 * (double)bracket->count)));
+        IGI_TRY_GOTO(igi_photo_load(ctx, j->frames[i].exposure->path, &photo));
+        if (!acc->image)
+            IGI_TRY_GOTO(igi_accumulator_prepare(ctx, photo, j->response, &model, acc));
+        frame->used = exp(bracket->log_h[i]);
+        frame->shift_x = bracket->shifts[i].x;
+        frame->shift_y = bracket->shifts[i].y;
+        igi_accumulator_add(acc, photo, j->response, frame->used, bracket->shifts[i]);
+        frame->saturated = (double)acc->saturated / (double)(acc->samples ? acc->samples : 1);
+        igi_photo_destroy(photo);
+        photo = NULL;
+    }
+    out->scatter = igi_accumulator_finish(acc, exp(bracket->log_h[0]), o->full_well_e > 0);
+    out->image = acc->image;
+    acc->image = NULL;
+cleanup:
+    if (acc) igi_accumulator_free(acc);
+    igi_free(acc);
+    igi_photo_destroy(photo);
+    return status;
+}
+
+static igi_status prepare_job(igi_context *ctx, const igi_exposure *exposures, size_t count, job *j)
+{
+    IGI_TRY(IGI_ALLOC(ctx, count, &j->frames));
+    IGI_TRY(order_exposures(ctx, exposures, count, j->frames));
+    j->bracket.count = count;
+    IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.log_h));
+    IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.log_ratio));
+    IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.pairs));
+    IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.shifts));
+    for (size_t i = 0; i < count; i++) j->bracket.log_h[i] = log(j->frames[i].h);
+    return IGI_OK;
+}
+
+static void free_job(job *j)
+{
+    for (size_t i = 0; j->bracket.pairs && i < j->bracket.count; i++)
+        igi_free(j->bracket.pairs[i].counts);
+    igi_free(j->bracket.pairs);
+    igi_free(j->bracket.log_h);
+    igi_free(j->bracket.log_ratio);
+    igi_free(j->bracket.shifts);
+    igi_free(j->frames);
+    igi_response_destroy(j->response);
+}
+
+igi_status igi_merge(igi_context *ctx, const igi_exposure *exposures, size_t count,
+                     const igi_merge_options *options, igi_merged **merged)
+{
+    igi_status status = IGI_OK;
+    igi_merge_options defaults;
+    igi_merged *made = NULL;
+    job j = {0};
+    *merged = NULL;
+    if (count < 1) return igi_fail(ctx, IGI_E_USAGE, "merge: no photographs; name at least one");
+    igi_merge_options_init(&defaults);
+    j.options = options ? options : &defaults;
+    igi_stage_begin(ctx, "merge");
+    IGI_TRY_GOTO(prepare_job(ctx, exposures, count, &j));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &made));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &made->frames));
+    made->count = count;
+    for (size_t i = 0; i < count; i++) made->frames[i].stated = igi_hdr_exposure(&exposures[i]);
+    IGI_TRY_GOTO(first_pass(ctx, &j));
+    IGI_TRY_GOTO(settle_exposures(ctx, &j));
+    IGI_TRY_GOTO(second_pass(ctx, &j, made));
+    made->response = j.response;
+    j.response = NULL;
+    *merged = made;
+    made = NULL;
+cleanup:
+    igi_stage_begin(ctx, NULL);
+    igi_merged_destroy(made);
+    free_job(&j);
+    return status;
+}

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Merging: each photograph i measures the radiance as x_i / h_i, x by the response, h the exposure.
+ *
+ * With photons, read-out and codes as sources of noise, var x = k x + (s x'(z))^2: 1/k electrons at
+ * full scale, s the noise in codes, x' the slope of the response. The best estimate weights by
+ * w_i = h_i^2 / var x_i (for photons alone: the sum of all x over the sum of all h; Hanji et al.
+ * 2020). Taking var from the noisy sample itself would bias the result low. So the photographs come
+ * from the longest to the shortest, and each sample's weight follows from what the longer ones
+ * said. Near saturation the weight fades out instead of ending, so that noise does not decide.
+ *
+ * A pixel costs its result alone: the radiance's place holds sum w x/h, the variance's sum w.
+ */
+#include "base/context.h"
+#include "hdr/merge_private.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of the highest code: where weights begin to fade, and where they are gone. The shoulder of a
+ * fitted response is the least known part of it. */
+#define FADE_FROM .88
+#define FADE_TO .98
+#define FITTED_FADE_FROM .6
+#define FITTED_FADE_TO .92
+/* Where a longer exposure has spoken, samples below this many codes above the lowest known one
+ * are not worth their bias. */
+#define FLOOR_CODES (10. / 256)
+
+void igi_merge_options_init(igi_merge_options *options)
+{
+    memset(options, 0, sizeof *options);
+    options->struct_size = sizeof *options;
+    options->align = options->refine = true;
+}
+
+void igi_merged_destroy(igi_merged *merged)
+{
+    if (!merged) return;
+    igi_image_destroy(merged->image);
+    igi_response_destroy(merged->response);
+    igi_free(merged->frames);
+    igi_free(merged);
+}
+
+/* The noise model, tabulated over log2 of the exposure: by the float's upper bits, 64 steps an
+ * octave. */
+static size_t noise_index(float x)
+{
+    uint32_t bits;
+    const uint32_t first = (127u - NOISE_OCTAVES) << 23;
+    if (!(x > 0)) return 0;
+    memcpy(&bits, &x, sizeof bits);
+    if (bits <= first) return 0;
+    size_t index = (bits - first) >> 17;
+    return index < NOISE_SIZE ? index : NOISE_SIZE - 1;
+}
+
+static void tabulate_noise(const igi_response *response, int channel, const noise_model *model,
+                           float table[NOISE_SIZE])
+{
+    int levels = response->levels, z = response->low[channel];
+    const float *curve = response->exposure + (size_t)channel * (size_t)levels;
+    for (int i = 0; i < NOISE_SIZE; i++) {
+        double x = ldexp(1 + (i % 64 + .5) / 64, i / 64 - NOISE_OCTAVES);
+        while (z + 2 < levels && (double)curve[z + 1] < x) z++;
+        int z0 = z > 0 ? z - 1 : 0, z1 = z + 2 < levels ? z + 2 : levels - 1;
+        double slope = ((double)curve[z1] - (double)curve[z0]) / (z1 - z0);
+        double codes = model->read_noise * slope;
+        table[i] = (float)(fmax(x, 0) / model->full_well_e + codes * codes + 1e-16);
+    }
+}
+
+igi_status igi_accumulator_prepare(igi_context *ctx, const igi_photo *shape,
+                                   const igi_response *response, const noise_model *model,
+                                   accumulator *acc)
+{
+    int levels = response->levels;
+    double from = model->fitted ? FITTED_FADE_FROM : FADE_FROM;
+    double to = model->fitted ? FITTED_FADE_TO : FADE_TO;
+    acc->channels = shape->channels;
+    IGI_TRY(igi_image_create(ctx, shape->width, shape->height, 2 * shape->channels + 1,
+                             &acc->image));
+    IGI_TRY(IGI_ALLOC(ctx, (size_t)levels, &acc->fade));
+    for (int z = 0; z < levels; z++) {
+        double at = (double)z / (levels - 1);
+        acc->fade[z] = (float)fmin(1, fmax(0, (to - at) / (to - from)));
+    }
+    for (int c = 0; c < shape->channels; c++) {
+        tabulate_noise(response, c, model, acc->noise[c]);
+        int floor_code = response->low[c] + (int)(FLOOR_CODES * levels);
+        /* A linear response has no unknown toe: there only the noise at black matters. */
+        if (response->low[c] == 0) floor_code = (int)ceil(2 * model->read_noise);
+        if (floor_code > levels - 1) floor_code = levels - 1;
+        acc->floor[c] = response->exposure[(size_t)c * (size_t)levels + (size_t)floor_code];
+    }
+    return IGI_OK;
+}
+
+void igi_accumulator_free(accumulator *acc)
+{
+    igi_image_destroy(acc->image);
+    igi_free(acc->fade);
+}
+
+/* Squared residuals in units of their variance, counted in a histogram of their logarithm. */
+static void note_residual(accumulator *acc, double u)
+{
+    int bin = (int)(8 * log2(fmax(u, 1e-12))) + RESIDUAL_BINS / 2;
+    acc->residuals[bin < 0 ? 0 : bin >= RESIDUAL_BINS ? RESIDUAL_BINS - 1 : bin]++;
+}
+
+static double joint_fade(const accumulator *acc, const uint16_t *codes, bool linear)
+{
+    double fade = 1;
+    /* A developed raw pixel mixes its sensor's channels: one clipped spoils all. */
+    for (int c = 0; linear && c < acc->channels; c++)
+        fade = fmin(fade, (double)acc->fade[codes[c]]);
+    return fade;
+}
+
+static void add_pixel(accumulator *acc, const igi_response *response, const uint16_t *codes,
+                      double joint, double h, float *pixel, bool sample_residual)
+{
+    size_t levels = (size_t)response->levels;
+    float *weights = pixel + acc->channels + 1;
+    for (int c = 0; c < acc->channels; c++) {
+        float *sum = &pixel[c], *weight = &weights[acc->channels - 1 - c];
+        double fade = fmin(joint, (double)acc->fade[codes[c]]);
+        double x = (double)response->exposure[(size_t)c * levels + codes[c]];
+        if (!(fade > 0)) {
+            acc->saturated++;
+            continue;
+        }
+        bool known = *weight > 0;
+        double predicted = known ? (double)*sum / (double)*weight * h : x;
+        if (known && predicted < (double)acc->floor[c]) continue;
+        double variance = (double)acc->noise[c][noise_index((float)predicted)];
+        double w = h * h / variance;
+        if (known && sample_residual && fade == 1) {
+            double d = (x - predicted) / h;
+            note_residual(acc, d * d / (1 / w + 1 / (double)*weight));
+        }
+        *sum += (float)(w * fade * x / h);
+        *weight += (float)(w * fade);
+    }
+}
+
+void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_response *response,
+                         double h, igi_shift shift)
+{
+    size_t channels = (size_t)acc->channels, stride = 2 * channels + 1;
+    acc->saturated = acc->samples = 0;
+    for (int y = 0; y < acc->image->height; y++)
+        for (int x = 0; x < acc->image->width; x++) {
+            size_t at = igi_hdr_shifted(photo, x, y, shift);
+            if (at == SIZE_MAX) continue;
+            size_t to = (size_t)y * (size_t)acc->image->width + (size_t)x;
+            const uint16_t *codes = photo->codes + at * channels;
+            add_pixel(acc, response, codes, joint_fade(acc, codes, photo->linear), h,
+                      acc->image->samples + to * stride, to % 7 == 0);
+            acc->samples += channels;
+        }
+}
+
+/* The median of a squared standard normal is .4549. */
+static double measured_scatter(const accumulator *acc)
+{
+    uint64_t total = 0, sum = 0;
+    for (int i = 0; i < RESIDUAL_BINS; i++) total += acc->residuals[i];
+    if (total < 1000) return 1;
+    for (int i = 0; i < RESIDUAL_BINS; i++) {
+        sum += acc->residuals[i];
+        if (sum >= total / 2) return sqrt(exp2((i + .5 - RESIDUAL_BINS / 2) / 8) / .4549);
+    }
+    return 1;
+}
+
+/* Where nothing was below saturation, the shortest exposure's full scale is a lower bound. */
+double igi_accumulator_finish(accumulator *acc, double shortest_h, bool noise_is_known)
+{
+    igi_image *image = acc->image;
+    size_t count = (size_t)image->width * (size_t)image->height;
+    size_t channels = (size_t)acc->channels, stride = 2 * channels + 1;
+    double scatter = measured_scatter(acc);
+    double scale = noise_is_known ? 1 : scatter * scatter;
+    for (float *pixel = image->samples; count--; pixel += stride) {
+        pixel[channels] = 0;
+        for (size_t c = 0; c < channels; c++) {
+            float *variance = &pixel[channels + 1 + (channels - 1 - c)];
+            if (*variance > 0) {
+                pixel[c] /= *variance;
+                *variance = (float)(scale / (double)*variance);
+            } else {
+                pixel[c] = (float)(1 / shortest_h);
+                *variance = pixel[c] * pixel[c];
+                pixel[channels] = 1;
+            }
+        }
+    }
+    snprintf(image->names[channels], IGI_CHANNEL_NAME_SIZE, "saturated");
+    for (size_t c = 0; c < channels; c++) {
+        const char *name = channels == 1 ? "Y" : &"R\0G\0B"[2 * c];
+        snprintf(image->names[c], IGI_CHANNEL_NAME_SIZE, "%s", name);
+        snprintf(image->names[2 * channels - c], IGI_CHANNEL_NAME_SIZE, "variance.%s", name);
+    }
+    return scatter;
+}

@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The response of a camera, recovered from a bracket.
+ *
+ * Debevec and Malik (1997) find g = ln(exposure as a function of the code) and the radiance of a
+ * few dozen pixels at once. Here the radiances are eliminated: a pixel with code a in one
+ * photograph and b in the next says g(b) - g(a) = r, the logarithm of their exposure ratio. All
+ * pixels then fit in one 256 x 256 count a pair (Mann's comparagram), and
+ *
+ *     sum_pairs sum_ab N_ab w(a) w(b) (g(b) - g(a) - r)^2 + lambda sum g''^2  ->  min
+ *
+ * is a linear system. Whether the stated ratios are true is then read off the curve: each pair's
+ * median of g(b) - g(a). A pair far from its stated ratio loses its weight, the curve is solved
+ * again, until the false ones no longer bend it. (Ratios and curve cannot be solved at once: one
+ * factor on all logarithms, a gamma, changes no picture, and scatter pulls it to 0.)
+ *
+ * Trap: film and sensors have a floor. Two dark pixels of the same code then seem to say r = 0, by
+ * the thousand. Codes count only where the codes of the partner differ clearly on average.
+ */
+#include "base/context.h"
+#include "hdr/hdr_private.h"
+
+#include <math.h>
+#include <string.h>
+
+#define BINS IGI_HDR_BINS
+/* Logarithms of exposure ratios, 0 to 8. */
+#define STEP_WIDTH .001
+#define STEP_BINS 8000
+
+igi_status igi_response_create(igi_context *ctx, int channels, int levels, igi_response **response)
+{
+    igi_status status = IGI_OK;
+    igi_response *made = NULL;
+    *response = NULL;
+    IGI_TRY(IGI_ALLOC(ctx, 1, &made));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)channels * (size_t)levels, &made->exposure));
+    made->channels = channels;
+    made->levels = levels;
+    for (int c = 0; c < channels; c++) {
+        made->high[c] = levels - 1;
+        for (int z = 0; z < levels; z++)
+            made->exposure[(size_t)c * (size_t)levels + (size_t)z] =
+                (float)z / (float)(levels - 1);
+    }
+    *response = made;
+    made = NULL;
+cleanup:
+    igi_response_destroy(made);
+    return status;
+}
+
+void igi_response_destroy(igi_response *response)
+{
+    if (!response) return;
+    igi_free(response->exposure);
+    igi_free(response);
+}
+
+bool igi_hdr_solve(double *a, size_t n, double *b, size_t count)
+{
+    for (size_t j = 0; j < n; j++) {
+        double *row = a + j * n, d = row[j];
+        for (size_t k = 0; k < j; k++) d -= row[k] * row[k];
+        if (!(d > 0)) return false;
+        row[j] = sqrt(d);
+        for (size_t i = j + 1; i < n; i++) {
+            double *lower = a + i * n, sum = lower[j];
+            for (size_t k = 0; k < j; k++) sum -= lower[k] * row[k];
+            lower[j] = sum / row[j];
+        }
+    }
+    for (size_t r = 0; r < count; r++) {
+        double *x = b + r * n;
+        for (size_t i = 0; i < n; i++) {
+            for (size_t k = 0; k < i; k++) x[i] -= a[i * n + k] * x[k];
+            x[i] /= a[i * n + i];
+        }
+        for (size_t i = n; i-- > 0;) {
+            for (size_t k = i + 1; k < n; k++) x[i] -= a[k * n + i] * x[k];
+            x[i] /= a[i * n + i];
+        }
+    }
+    return true;
+}
+
+igi_status igi_comparagram_fill(igi_context *ctx, const igi_photo *a, const igi_photo *b,
+                                igi_shift shift, double most, igi_comparagram *out)
+{
+    size_t channels = (size_t)a->channels;
+    int drop = a->levels == BINS ? 0 : 8;
+    int step = (int)ceil(sqrt((double)a->width * a->height / most));
+    if (!out->counts) IGI_TRY(IGI_ALLOC(ctx, channels * BINS * BINS, &out->counts));
+    memset(out->counts, 0, channels * BINS * BINS * sizeof *out->counts);
+    for (int y = step / 2; y < a->height; y += step)
+        for (int x = step / 2; x < a->width; x += step) {
+            size_t at = igi_hdr_shifted(b, x, y, shift);
+            if (at == SIZE_MAX) continue;
+            const uint16_t *p = a->codes + ((size_t)y * (size_t)a->width + (size_t)x) * channels;
+            const uint16_t *q = b->codes + at * channels;
+            for (size_t c = 0; c < channels; c++)
+                out->counts[(c * BINS + (size_t)(p[c] >> drop)) * BINS + (size_t)(q[c] >> drop)]++;
+        }
+    return IGI_OK;
+}
+
+/* Debevec and Malik's hat: codes in the middle are the surest. */
+static double hat(size_t z)
+{
+    return (double)(z < BINS - 1 - z ? z : BINS - 1 - z) / (BINS / 2 - .5);
+}
+
+/* Codes whose partners lie at least this far away on average say something about the ratio. */
+#define CLEAR_STEP 4.0
+
+/* Marks the codes of a (valid_a) and of b (valid_b) that are neither at the floor nor at the top. */
+static void find_valid(const uint32_t *n, bool valid_a[BINS], bool valid_b[BINS])
+{
+    double sum_a[BINS] = {0}, sum_b[BINS] = {0}, partner_a[BINS] = {0}, partner_b[BINS] = {0};
+    for (size_t a = 0; a < BINS; a++)
+        for (size_t b = 0; b < BINS; b++) {
+            double count = n[a * BINS + b];
+            sum_a[a] += count;
+            sum_b[b] += count;
+            partner_a[a] += count * (double)b;
+            partner_b[b] += count * (double)a;
+        }
+    for (size_t z = 0; z < BINS; z++) {
+        valid_a[z] = sum_a[z] > 0 && partner_a[z] / sum_a[z] - (double)z >= CLEAR_STEP;
+        valid_b[z] = sum_b[z] > 0 && (double)z - partner_b[z] / sum_b[z] >= CLEAR_STEP;
+    }
+}
+
+/* The normal equations of one channel: A g = b. */
+typedef struct equations {
+    double a[BINS * BINS], b[BINS], g[BINS];
+    double used[BINS], total; /* weight on each code, and on all */
+} equations;
+
+/* What a pair of codes has to say. */
+static double cell_weight(const uint32_t *n, const bool *valid_a, const bool *valid_b, size_t a,
+                          size_t b)
+{
+    return valid_a[a] && valid_b[b] ? n[a * BINS + b] * hat(a) * hat(b) : 0;
+}
+
+static void add_pair(equations *e, const uint32_t *n, double log_ratio, double trust)
+{
+    bool valid_a[BINS], valid_b[BINS];
+    find_valid(n, valid_a, valid_b);
+    for (size_t a = 0; a < BINS; a++)
+        for (size_t b = 0; b < BINS; b++) {
+            double w = trust * cell_weight(n, valid_a, valid_b, a, b);
+            if (!(w > 0)) continue;
+            e->a[a * BINS + a] += w;
+            e->a[b * BINS + b] += w;
+            /* Only the lower triangle is read. */
+            if (a > b) e->a[a * BINS + b] -= w;
+            else e->a[b * BINS + a] -= w;
+            e->b[b] += w * log_ratio;
+            e->b[a] -= w * log_ratio;
+            e->used[a] += w;
+            e->used[b] += w;
+            e->total += w;
+        }
+}
+
+/* Smoothness, and g = 0 in the middle; both small beside the data. */
+static void regularise(equations *e)
+{
+    double lambda = e->total / BINS;
+    for (size_t z = 1; z + 1 < BINS; z++) {
+        static const double second[3] = {1, -2, 1};
+        for (size_t i = 0; i < 3; i++)
+            for (size_t j = 0; j <= i; j++)
+                e->a[(z - 1 + i) * BINS + z - 1 + j] += lambda * second[i] * second[j];
+    }
+    e->a[(BINS / 2) * (BINS + 1)] += e->total;
+}
+
+/* The codes between which nearly all weight lies. */
+static void find_range(const double used[BINS], int *low, int *high)
+{
+    double total = 0, sum = 0;
+    for (size_t z = 0; z < BINS; z++) total += used[z];
+    *low = -1;
+    *high = BINS - 1;
+    for (int z = 0; z < BINS; z++) {
+        sum += used[z];
+        if (*low < 0 && sum > 1e-3 * total) *low = z;
+        if (sum > (1 - 1e-4) * total) {
+            *high = z;
+            break;
+        }
+    }
+    if (*low < 0) *low = 0;
+}
+
+/* From g to exposures: below the lowest known code straight down to 0 (a floor is a floor), never
+ * falling, 1 at the top. */
+static void fill_curve(const double *g, int low, int high, double x[BINS])
+{
+    int near = low + 3 < high ? low + 3 : high;
+    for (int z = 0; z < BINS; z++) x[z] = exp(g[z] - g[BINS - 1]);
+    double slope = near > low ? (x[near] - x[low]) / (near - low) : 0;
+    for (int z = low - 1; z >= 0; z--) x[z] = fmax(0, x[low] - slope * (low - z));
+    for (int z = 1; z < BINS; z++)
+        if (x[z] < x[z - 1]) x[z] = x[z - 1];
+    for (int z = BINS; z-- > 0;) x[z] /= x[BINS - 1];
+}
+
+/* The curve at every code: 16-bit codes lie between the bins that their high bytes were put in. */
+static void spread_curve(const double x[BINS], int channel, igi_response *response)
+{
+    size_t levels = (size_t)response->levels;
+    float *exposure = response->exposure + (size_t)channel * levels;
+    for (size_t z = 0; z < levels; z++) {
+        double at = levels == BINS ? (double)z : fmax(0, ((double)z - 127.5) / 256);
+        size_t bin = (size_t)at < BINS - 2 ? (size_t)at : BINS - 2;
+        exposure[z] = (float)(x[bin] + (at - (double)bin) * (x[bin + 1] - x[bin]));
+    }
+    response->low[channel] *= (int)levels / BINS;
+    response->high[channel] = (response->high[channel] + 1) * ((int)levels / BINS) - 1;
+}
+
+/* A pair that is stated to differ, and whose codes are all the same, differs by a factor 1. */
+static bool looks_equal(const igi_bracket *bracket, size_t pair)
+{
+    const uint32_t *n = bracket->pairs[pair].counts;
+    double count = 0, step = 0;
+    for (size_t i = 0; i < (size_t)bracket->channels * BINS; i++) {
+        size_t a = i % BINS;
+        for (size_t b = 0; a >= BINS / 4 && a < 3 * BINS / 4 && b < BINS; b++) {
+            count += n[i * BINS + b];
+            step += n[i * BINS + b] * ((double)b - (double)a);
+        }
+    }
+    return count > 1000 && fabs(step) < CLEAR_STEP * count;
+}
+
+/* The square of g's slope: the variance that one code of noise means for g. Steep near the floor,
+ * where a pair's few bright pixels meet codes that say nothing. */
+static double squared_slope(const double g[BINS], size_t z)
+{
+    size_t z0 = z > 3 ? z - 3 : 0, z1 = z + 3 < BINS ? z + 3 : BINS - 1;
+    double slope = (g[z1] - g[z0]) / (double)(z1 - z0);
+    return slope * slope + 1e-6;
+}
+
+/* The median of g(b) - g(a) over a pair's cells, all channels, weighted by how sure each is, and
+ * the sum of these weights. */
+static double median_step(const igi_bracket *bracket, size_t pair, const equations *channels,
+                          double *histogram, double *weight)
+{
+    double total = 0, sum = 0, slopes[BINS];
+    memset(histogram, 0, STEP_BINS * sizeof *histogram);
+    for (int c = 0; c < bracket->channels; c++) {
+        const uint32_t *n = bracket->pairs[pair].counts + (size_t)c * BINS * BINS;
+        bool valid_a[BINS], valid_b[BINS];
+        find_valid(n, valid_a, valid_b);
+        for (size_t z = 0; z < BINS; z++) slopes[z] = squared_slope(channels[c].g, z);
+        for (size_t a = 0; a < BINS; a++)
+            for (size_t b = 0; b < BINS; b++) {
+                double w = cell_weight(n, valid_a, valid_b, a, b);
+                if (!(w > 0)) continue;
+                w *= 2e-4 / (slopes[a] + slopes[b]); /* about 1 in the middle */
+                double bin = (channels[c].g[b] - channels[c].g[a]) / STEP_WIDTH;
+                histogram[bin < 0 ? 0 : bin < STEP_BINS - 1 ? (size_t)bin : STEP_BINS - 1] += w;
+                total += w;
+            }
+    }
+    *weight = total;
+    if (!(total > 0)) return (double)NAN;
+    size_t bin = 0;
+    while (bin + 1 < STEP_BINS && sum + histogram[bin] < total / 2) sum += histogram[bin++];
+    return ((double)bin + (total / 2 - sum) / histogram[bin]) * STEP_WIDTH;
+}
+
+/* Solves for the curves with each pair trusted as far as `trust` says. */
+static igi_status solve_curves(igi_context *ctx, const igi_bracket *bracket, const double *trust,
+                               equations *channels)
+{
+    for (int c = 0; c < bracket->channels; c++) {
+        equations *e = &channels[c];
+        memset(e, 0, sizeof *e);
+        for (size_t p = 0; p + 1 < bracket->count; p++)
+            add_pair(e, bracket->pairs[p].counts + (size_t)c * BINS * BINS,
+                     bracket->log_h[p + 1] - bracket->log_h[p], trust[p]);
+        if (!(e->total > 0))
+            return igi_fail(ctx, IGI_E_DATA,
+                            "response: no pixel is well exposed in two neighbouring photographs; "
+                            "take exposures a stop or two apart, or give the response");
+        regularise(e);
+        memcpy(e->g, e->b, sizeof e->g);
+        if (!igi_hdr_solve(e->a, BINS, e->g, 1))
+            return igi_fail(ctx, IGI_E_NO_ANSWER,
+                            "response: the bracket does not determine it; give the response");
+    }
+    return IGI_OK;
+}
+
+/* A pair with less than this part of all weight is a few highlights, and says nothing. */
+#define LEAST_SHARE 5e-4
+/* How far, in natural logarithms, a pair may be off before it loses half its weight. */
+#define TRUST_WIDTH .1
+
+static igi_status solve_robustly(igi_context *ctx, igi_bracket *bracket, equations *channels,
+                                 double *trust, double *histogram)
+{
+    size_t pairs = bracket->count - 1;
+    for (size_t p = 0; p < pairs; p++) trust[p] = 1;
+    for (int round = 0; round < 6; round++) {
+        double total = 0, *weight = trust; /* first the weights, then the trust */
+        IGI_TRY(solve_curves(ctx, bracket, trust, channels));
+        for (size_t p = 0; p < pairs; p++) {
+            bracket->log_ratio[p] = median_step(bracket, p, channels, histogram, &weight[p]);
+            total += weight[p];
+        }
+        for (size_t p = 0; p < pairs; p++) {
+            double stated = bracket->log_h[p + 1] - bracket->log_h[p], *seen = &bracket->log_ratio[p];
+            if (weight[p] < LEAST_SHARE * total)
+                *seen = stated > .17 && looks_equal(bracket, p) ? 0 : (double)NAN;
+            double off = isnan(*seen) ? 0 : (*seen - stated) / TRUST_WIDTH;
+            trust[p] = 1 / (1 + off * off);
+        }
+    }
+    return IGI_OK;
+}
+
+igi_status igi_hdr_recover_response(igi_context *ctx, igi_bracket *bracket,
+                                    igi_response **response)
+{
+    igi_status status = IGI_OK;
+    equations *channels = NULL;
+    double *trust = NULL, *histogram = NULL;
+    *response = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)bracket->channels, &channels));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, bracket->count, &trust));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, STEP_BINS, &histogram));
+    IGI_TRY_GOTO(solve_robustly(ctx, bracket, channels, trust, histogram));
+    IGI_TRY_GOTO(igi_response_create(ctx, bracket->channels, bracket->levels, response));
+    for (int c = 0; c < bracket->channels; c++) {
+        double x[BINS];
+        find_range(channels[c].used, &(*response)->low[c], &(*response)->high[c]);
+        fill_curve(channels[c].g, (*response)->low[c], (*response)->high[c], x);
+        spread_curve(x, c, *response);
+    }
+cleanup:
+    igi_free(channels);
+    igi_free(trust);
+    igi_free(histogram);
+    return status;
+}

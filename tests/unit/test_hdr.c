@@ -1,0 +1,481 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Brackets: synthetic ones against the Cramér-Rao bound, real ones against their reference.
+ */
+#include "test.h"
+
+#include "base/context.h"
+#include "base/rng.h"
+
+#include <igi/hdr.h>
+
+#include <png.h>
+
+static double gaussian(igi_rng *rng)
+{
+    double u = 1 - (double)igi_rng_float(rng), v = (double)igi_rng_float(rng);
+    return sqrt(-2 * log(u)) * cos(2 * 3.14159265358979 * v);
+}
+
+static double poisson(igi_rng *rng, double mean)
+{
+    if (mean > 60) return floor(mean + sqrt(mean) * gaussian(rng) + .5);
+    double limit = exp(-mean), product = 1;
+    int count = -1;
+    do {
+        product *= 1 - (double)igi_rng_float(rng);
+        count++;
+    } while (product > limit);
+    return count;
+}
+
+/* A linear grey camera of 16 bits. */
+#define FULL_WELL 20000.
+#define READ_CODES 10.
+#define WIDTH 700
+#define HEIGHT 160
+
+/* Radiance: six decades along x. */
+static double radiance_at(int x)
+{
+    return pow(10, -3 + 6. * (x + .5) / WIDTH) * .93;
+}
+
+/* Patches of 8 pixels, some dimmer: something to align by. */
+static double texture_at(int x, int y)
+{
+    return igi_hash64((uint64_t)(x + 800) / 8 * 1000 + (uint64_t)y / 8) % 2 ? .6 : 1;
+}
+
+static void write_exposure(const char *path, double h, uint64_t seed, int shift_x)
+{
+    static uint16_t codes[WIDTH * HEIGHT];
+    igi_rng rng = igi_rng_make(seed, 1);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        int x = i % WIDTH - shift_x;
+        double radiance = radiance_at(x < 0 ? 0 : x) * texture_at(x, i / WIDTH);
+        double e = poisson(&rng, FULL_WELL * radiance * h);
+        double code = e * 65535 / FULL_WELL + READ_CODES * gaussian(&rng);
+        codes[i] = (uint16_t)fmax(0, fmin(65535, floor(code + .5)));
+    }
+    png_image writer = {.version = PNG_IMAGE_VERSION, .width = WIDTH, .height = HEIGHT,
+                        .format = PNG_FORMAT_LINEAR_Y};
+    if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
+}
+
+#define FRAMES 6
+static const double true_h[FRAMES] = {1, 1. / 4, 1. / 16, 1. / 64, 1. / 256, 1. / 1024};
+
+static void make_bracket(igi_exposure exposures[FRAMES], char paths[FRAMES][40], int shift_x)
+{
+    for (int i = 0; i < FRAMES; i++) {
+        snprintf(paths[i], 40, "test_hdr_%d.png", i);
+        write_exposure(paths[i], true_h[i], 10 + (uint64_t)i, i == 0 ? shift_x : 0);
+        exposures[i] = (igi_exposure){.path = paths[i], .time_s = true_h[i]};
+    }
+}
+
+static void remove_bracket(char paths[FRAMES][40])
+{
+    for (int i = 0; i < FRAMES; i++) remove(paths[i]);
+}
+
+/* var(E) >= 1 / sum h^2/var(x) over the exposures that do not clip. */
+static double bound_at(double radiance)
+{
+    double information = 0, read = READ_CODES / 65535;
+    for (int i = 0; i < FRAMES; i++) {
+        double x = radiance * true_h[i];
+        if (x > .98) continue;
+        information += true_h[i] * true_h[i] / (x / FULL_WELL + read * read);
+    }
+    return 1 / information;
+}
+
+static void merges_at_the_cramer_rao_bound(void)
+{
+    igi_context *ctx = test_context(1);
+    igi_exposure exposures[FRAMES];
+    char paths[FRAMES][40];
+    igi_merge_options options;
+    igi_merged *merged = NULL;
+    make_bracket(exposures, paths, 0);
+    igi_merge_options_init(&options);
+    options.full_well_e = FULL_WELL;
+    options.read_noise = READ_CODES;
+    options.refine = false;
+    CHECK_OK(ctx, igi_merge(ctx, exposures, FRAMES, &options, &merged));
+    if (merged) {
+        CHECK(merged->image->channels == 3 && merged->response->levels == 65536);
+        CHECK_STR(merged->image->names[0], "Y");
+        CHECK_STR(merged->image->names[1], "saturated");
+        CHECK_STR(merged->image->names[2], "variance.Y");
+        double loss = 0, stated = 0;
+        for (int decade = 0; decade < 6; decade++) {
+            double bias = 0;
+            int count = 0;
+            for (int x = decade * WIDTH / 6; x < (decade + 1) * WIDTH / 6; x++)
+                for (int y = 0; y < HEIGHT; y++, count++) {
+                    const float *p = merged->image->samples + (y * WIDTH + x) * 3;
+                    double truth = radiance_at(x) * texture_at(x, y), off = (double)p[0] - truth;
+                    bias += off / truth;
+                    loss += off * off / bound_at(truth) / (WIDTH * HEIGHT);
+                    stated += off * off / (double)p[2] / (WIDTH * HEIGHT);
+                }
+            CHECK_NEAR(bias / count, 0, .003);
+        }
+        CHECK_NEAR(loss, 1, .05);
+        CHECK_NEAR(stated, 1, .05);
+        CHECK_NEAR(merged->scatter, 1, .05);
+    }
+    igi_merged_destroy(merged);
+    remove_bracket(paths);
+    igi_context_destroy(ctx);
+}
+
+static void ratios_are_recovered(void)
+{
+    static const double rounded[FRAMES] = {1.06, .95, 1, 1.05, .97, 1.03};
+    igi_context *ctx = test_context(1);
+    igi_exposure exposures[FRAMES];
+    char paths[FRAMES][40];
+    igi_merged *merged = NULL;
+    make_bracket(exposures, paths, 6);
+    for (int i = 0; i < FRAMES; i++) exposures[i].time_s *= rounded[i];
+    CHECK_OK(ctx, igi_merge(ctx, exposures, FRAMES, NULL, &merged));
+    for (int i = 0; merged && i + 1 < FRAMES; i++) {
+        CHECK_NEAR(merged->frames[i].used / merged->frames[i + 1].used, 4, .005 * 4);
+        CHECK_NEAR(merged->frames[i].stated, exposures[i].time_s, 1e-12);
+    }
+    if (merged) {
+        double h = 1;
+        for (int i = 0; i < FRAMES; i++) h *= merged->frames[i].used / merged->frames[i].stated;
+        CHECK_NEAR(h, 1, 1e-9); /* the unit stays */
+        CHECK(merged->frames[0].shift_x - merged->frames[1].shift_x == 6);
+        CHECK(merged->frames[0].shift_y == 0);
+    }
+    igi_merged_destroy(merged);
+    merged = NULL;
+    exposures[2].time_s *= 2;
+    CHECK(igi_merge(ctx, exposures, FRAMES, NULL, &merged) == IGI_E_DATA && !merged);
+    CHECK_CONTAINS(igi_context_message(ctx), "test_hdr_2.png: false exposures");
+    remove_bracket(paths);
+    igi_context_destroy(ctx);
+}
+
+static void what_all_clip_is_marked(void)
+{
+    igi_context *ctx = test_context(1);
+    char path[] = "test_hdr_one.png";
+    igi_exposure exposure = {.path = path, .time_s = 10};
+    igi_merged *merged = NULL;
+    write_exposure(path, 1, 1, 0);
+    CHECK_OK(ctx, igi_merge(ctx, &exposure, 1, NULL, &merged));
+    for (int x = 0; merged && x < WIDTH; x++) {
+        const float *p = merged->image->samples + x * 3;
+        double truth = radiance_at(x) * texture_at(x, 0) / 10; /* the time was stated ten times too long */
+        if (truth > .101) CHECK(p[1] == 1 && p[0] == .1f);
+        if (truth < .085) CHECK(p[1] == 0);
+    }
+    if (merged) CHECK(merged->frames[0].saturated > .4 && merged->frames[0].saturated < .6);
+    igi_merged_destroy(merged);
+    remove(path);
+    igi_context_destroy(ctx);
+}
+
+static void every_allocation_may_fail(void)
+{
+    igi_context *ctx = test_context(1);
+    char path[] = "test_hdr_one.png", other[] = "test_hdr_two.png";
+    igi_exposure exposures[2] = {{.path = path, .time_s = 1}, {.path = other, .time_s = .25}};
+    igi_merge_options options;
+    igi_merged *merged = NULL;
+    igi_merge_options_init(&options);
+    options.response = IGI_RESPONSE_RECOVERED;
+    options.align = false;
+    write_exposure(path, 1, 1, 0);
+    write_exposure(other, .25, 2, 0);
+    long failures = 0;
+    for (igi_status status = IGI_E_SYSTEM; status != IGI_OK && failures < 200; failures++) {
+        igi_fail_allocation_after(ctx, failures);
+        status = igi_merge(ctx, exposures, 2, &options, &merged);
+        if (status != IGI_OK) CHECK(status == IGI_E_SYSTEM && !merged);
+    }
+    CHECK(merged && failures > 10 && failures < 200);
+    igi_fail_allocation_after(ctx, -1);
+    igi_merged_destroy(merged);
+    remove(path);
+    remove(other);
+    igi_context_destroy(ctx);
+}
+
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "w");
+    if (!file) abort();
+    fputs(text, file);
+    fclose(file);
+}
+
+static void lists(void)
+{
+    static const char *const bad[][2] = {
+        {"a.png\n", "test_hdr.txt:1: no exposure time for 'a.png'"},
+        {"# x\n\na.png 1\nb.png 0\n", "test_hdr.txt:4: no exposure time for 'b.png'"},
+        {"a.png 1 8 100 7\n", "test_hdr.txt:1: 'a.png' is followed by"},
+        {"a.png 1s\n", "test_hdr.txt:1: no exposure time"},
+        {"a.png 1 0.0625\n", "test_hdr.txt:1: 0.0625 is no f-number"},
+        {"# nothing\n", "test_hdr.txt: it lists no image"},
+    };
+    igi_context *ctx = test_context(1);
+    igi_exposure *exposures = NULL;
+    size_t count = 0;
+    write_text("test_hdr.txt", "# name seconds f iso\nsub/a.png 1/60 5.6 200 # first\n/b.png .5\n");
+    CHECK_OK(ctx, igi_exposures_read(ctx, "./test_hdr.txt", &exposures, &count));
+    CHECK(count == 2);
+    if (count == 2) {
+        CHECK_STR(exposures[0].path, "./sub/a.png");
+        CHECK_NEAR(exposures[0].time_s, 1. / 60, 1e-15);
+        CHECK_NEAR(exposures[0].f_number, 5.6, 0);
+        CHECK_NEAR(exposures[0].iso, 200, 0);
+        CHECK_STR(exposures[1].path, "/b.png");
+        CHECK(exposures[1].time_s == .5 && exposures[1].iso == 0 && !exposures[1].from_camera);
+    }
+    igi_exposures_destroy(exposures, count);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        write_text("test_hdr.txt", bad[i][0]);
+        CHECK(igi_exposures_read(ctx, "test_hdr.txt", &exposures, &count) == IGI_E_DATA);
+        CHECK(!exposures && count == 0);
+        CHECK_CONTAINS(igi_context_message(ctx), bad[i][1]);
+    }
+    remove("test_hdr.txt");
+    igi_context_destroy(ctx);
+}
+
+/* The frames of a list of others, "name a b", whose time is column `column`, or 1 over it. */
+static size_t read_foreign_list(const char *list, const char *folder, int column, bool inverse,
+                                igi_exposure *exposures, char paths[][700], size_t most)
+{
+    FILE *file = fopen(list, "r");
+    char line[300], name[100];
+    double numbers[2];
+    size_t count = 0;
+    while (file && count < most && fgets(line, sizeof line, file)) {
+        if (sscanf(line, "%99s %lf %lf", name, &numbers[0], &numbers[1]) != 3) continue;
+        char *end = strstr(name, ".ppm");
+        if (end) memcpy(end, ".png", 4);
+        snprintf(paths[count], 700, "%s/%s", folder, name);
+        double time = inverse ? 1 / numbers[column] : numbers[column];
+        exposures[count] = (igi_exposure){.path = paths[count], .time_s = time};
+        count++;
+    }
+    if (file) fclose(file);
+    return count;
+}
+
+/* Radiance's RGBE with new run-length encoding (Ward 1991). */
+static float *read_rgbe(const char *path, int *width, int *height)
+{
+    char line[200];
+    FILE *file = fopen(path, "rb");
+    if (!file) abort();
+    while (fgets(line, sizeof line, file) && sscanf(line, "-Y %d +X %d", height, width) != 2) {}
+    size_t w = (size_t)*width, h = (size_t)*height;
+    float *pixels = calloc(w * h * 3, sizeof *pixels);
+    uint8_t *row = malloc(w * 4);
+    if (!pixels || !row) abort();
+    for (size_t y = 0; y < h; y++) {
+        for (int k = 0; k < 4; k++) (void)fgetc(file); /* 2 2 width */
+        for (size_t c = 0; c < 4; c++)
+            for (size_t x = 0; x < w;) {
+                int n = fgetc(file), value = n > 128 ? fgetc(file) : 0;
+                if (n <= 0) abort();
+                for (int k = n > 128 ? n - 128 : n; k-- > 0 && x < w; x++)
+                    row[c * w + x] = (uint8_t)(n > 128 ? value : fgetc(file));
+            }
+        for (size_t x = 0; x < w; x++)
+            for (size_t c = 0; c < 3; c++)
+                pixels[(y * w + x) * 3 + c] =
+                    (float)ldexp(row[c * w + x] + .5, row[3 * w + x] - 136);
+    }
+    free(row);
+    fclose(file);
+    return pixels;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Correlation of the logarithms, and the median of |log2 difference| after one scale. */
+static void compare(const double *got, const double *want, size_t count, double *correlation,
+                    double *stops)
+{
+    double sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0, n = (double)count;
+    double *difference = malloc(count * sizeof *difference);
+    if (!difference) abort();
+    for (size_t i = 0; i < count; i++) {
+        sx += got[i], sy += want[i];
+        sxx += got[i] * got[i], syy += want[i] * want[i], sxy += got[i] * want[i];
+        difference[i] = got[i] - want[i];
+    }
+    *correlation = (n * sxy - sx * sy) / sqrt((n * sxx - sx * sx) * (n * syy - sy * sy));
+    qsort(difference, count, sizeof *difference, by_value);
+    double scale = difference[count / 2];
+    for (size_t i = 0; i < count; i++) difference[i] = fabs(difference[i] - scale);
+    qsort(difference, count, sizeof *difference, by_value);
+    *stops = difference[count / 2];
+    free(difference);
+}
+
+/* Where no photograph has the pure blue of registration's padding, nor next to it. */
+static uint8_t *inside_mask(igi_context *ctx, const igi_exposure *exposures, size_t count, int w,
+                            int h)
+{
+    uint8_t *mask = malloc((size_t)(w * h));
+    if (!mask) abort();
+    memset(mask, 1, (size_t)(w * h));
+    for (size_t i = 0; i < count; i++) {
+        igi_photo *photo = NULL;
+        CHECK_OK(ctx, igi_photo_load(ctx, exposures[i].path, &photo));
+        for (int k = 0; photo && k < w * h; k++) {
+            const uint16_t *p = photo->codes + k * 3;
+            if (p[0] || p[1] || p[2] != 255) continue;
+            for (int y = k / w - 1; y <= k / w + 1; y++)
+                for (int x = k % w - 1; x <= k % w + 1; x++)
+                    if (x >= 0 && y >= 0 && x < w && y < h) mask[y * w + x] = 0;
+        }
+        igi_photo_destroy(photo);
+    }
+    for (int k = 0; k < w * h; k++)
+        if (k % w < 4 || k % w >= w - 4 || k / w < 4 || k / w >= h - 4) mask[k] = 0;
+    return mask;
+}
+
+static void memorial_church(void)
+{
+    char list[600], folder[600], reference[600];
+    igi_exposure exposures[16];
+    static char paths[16][700];
+    int w = 0, h = 0;
+    if (!test_shared_data("real/hdr_memorial/memorial.hdr_image_list.txt", list, sizeof list) ||
+        !test_shared_data("real/hdr_memorial/memorial_reference.hdr", reference, sizeof reference) ||
+        !test_shared_data("real/hdr_memorial", folder, sizeof folder))
+        return;
+    igi_context *ctx = test_context(1);
+    igi_merged *merged = NULL;
+    size_t count = read_foreign_list(list, folder, 0, true, exposures, paths, 16);
+    CHECK(count == 16);
+    CHECK_OK(ctx, igi_merge(ctx, exposures, count, NULL, &merged));
+    float *want = read_rgbe(reference, &w, &h);
+    uint8_t *mask = inside_mask(ctx, exposures, count, w, h);
+    double *a = malloc((size_t)(w * h) * sizeof *a), *b = malloc((size_t)(w * h) * sizeof *b);
+    if (!a || !b) abort();
+    for (int c = 0; merged && c < 3; c++) {
+        size_t used = 0;
+        double correlation, stops;
+        for (int k = 0; k < w * h; k++) {
+            double x = (double)merged->image->samples[k * 7 + c], y = (double)want[k * 3 + c];
+            if (!mask[k] || !(x > 0) || y < 2e-4) continue; /* a hundredth of the median */
+            a[used] = log2(x);
+            b[used++] = log2(y);
+        }
+        compare(a, b, used, &correlation, &stops);
+        printf("memorial %c: correlation %.4f, %.3f stop\n", "RGB"[c], correlation, stops);
+        /* OpenCV's Robertson, the better of its two: .9986 .9983 .9982, .034 .056 .063. */
+        CHECK(correlation > .9987);
+        CHECK(stops < .04);
+    }
+    free(a);
+    free(b);
+    free(mask);
+    free(want);
+    igi_merged_destroy(merged);
+    igi_context_destroy(ctx);
+}
+
+static void false_list_is_refused(void)
+{
+    char list[600], folder[600];
+    igi_exposure exposures[9];
+    static char paths[9][700];
+    if (!test_shared_data("real/hdr_ssarcandy_living_room1/image_list.txt", list, sizeof list) ||
+        !test_shared_data("real/hdr_ssarcandy_living_room1", folder, sizeof folder))
+        return;
+    igi_context *ctx = test_context(1);
+    igi_merged *merged = NULL;
+    size_t count = read_foreign_list(list, folder, 0, false, exposures, paths, 9);
+    CHECK(count == 9);
+    CHECK(igi_merge(ctx, exposures, count, NULL, &merged) == IGI_E_DATA && !merged);
+    static const char *const frames[] = {"DSC_0071", "DSC_0072", "DSC_0073", "DSC_0074", "DSC_0075"};
+    for (int i = 0; i < 5; i++) CHECK_CONTAINS(igi_context_message(ctx), frames[i]);
+    CHECK(!strstr(igi_context_message(ctx), "DSC_0069"));
+    CHECK(!strstr(igi_context_message(ctx), "DSC_0077"));
+    igi_context_destroy(ctx);
+}
+
+static void remember_warning(void *user, const char *sentence)
+{
+    snprintf(user, 1000, "%s", sentence);
+}
+
+static void merge_by_exif(const char *folder, const char *const *names, size_t count,
+                          char *warning, igi_merged **merged)
+{
+    char path[600], storage[8][700];
+    const char *paths[8];
+    igi_context_options options;
+    igi_context *ctx = NULL;
+    igi_exposure *exposures = NULL;
+    igi_context_options_init(&options);
+    options.log = remember_warning;
+    options.user = warning;
+    *merged = NULL;
+    if (!test_shared_data(folder, path, sizeof path)) return;
+    if (igi_context_create(&options, &ctx) != IGI_OK) abort();
+    for (size_t i = 0; i < count; i++) {
+        snprintf(storage[i], sizeof storage[i], "%s/%s", path, names[i]);
+        paths[i] = storage[i];
+    }
+    CHECK_OK(ctx, igi_exposures_probe(ctx, paths, count, &exposures));
+    if (exposures) CHECK_OK(ctx, igi_merge(ctx, exposures, count, NULL, merged));
+    igi_exposures_destroy(exposures, count);
+    igi_context_destroy(ctx);
+}
+
+static void canon_by_exif(void)
+{
+    static const char *const names[] = {"IMG_2600.jpg", "IMG_2601.jpg", "IMG_2602.jpg"};
+    char warning[1000] = "";
+    igi_merged *merged = NULL;
+    merge_by_exif("real/hdr_frobisher_canon", names, 3, warning, &merged);
+    if (!merged) return;
+    CHECK(merged->image->width == 640 && merged->image->height == 426);
+    CHECK_NEAR(merged->frames[0].stated, 1 / 8. / 64, 1e-9);
+    CHECK_STR(warning, "");
+    igi_merged_destroy(merged);
+}
+
+static void phone_by_exif(void)
+{
+    static const char *const names[] = {"IMG_3873.jpeg", "IMG_3869.jpeg", "IMG_3871.jpeg"};
+    char warning[1000] = "";
+    igi_merged *merged = NULL;
+    merge_by_exif("real/hdr_iphonexr", names, 3, warning, &merged);
+    if (!merged) return;
+    CHECK(merged->image->width == 3024 && merged->image->height == 4032);
+    /* The hand that pressed the button moved the phone by some pixels. */
+    CHECK(abs(merged->frames[0].shift_x - merged->frames[1].shift_x) <= 8);
+    CHECK(merged->frames[1].shift_x == 0 && merged->frames[1].shift_y == 0);
+    CHECK_CONTAINS(warning, "processed the photographs differently");
+    igi_merged_destroy(merged);
+}
+
+TEST_MAIN({"merges_at_the_cramer_rao_bound", merges_at_the_cramer_rao_bound},
+          {"ratios_are_recovered", ratios_are_recovered},
+          {"what_all_clip_is_marked", what_all_clip_is_marked},
+          {"every_allocation_may_fail", every_allocation_may_fail}, {"lists", lists},
+          {"memorial_church", memorial_church}, {"false_list_is_refused", false_list_is_refused},
+          {"canon_by_exif", canon_by_exif}, {"phone_by_exif", phone_by_exif})
