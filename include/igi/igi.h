@@ -9,6 +9,7 @@
 #include <igi/output.h>
 #include <igi/image.h>
 #include <igi/photo.h>
+#include <igi/hdr.h>
 #include <igi/scene.h>
 #include <igi/material.h>
 #include <igi/recover.h>
