@@ -6,4 +6,5 @@
 
 extern const cli_command cli_recover, cli_report, cli_synth, cli_validate;
 
-const cli_command *const cli_commands[] = {&cli_recover, &cli_validate, &cli_report, &cli_synth, NULL};
+const cli_command *const cli_commands[] = {&cli_recover, &cli_validate, &cli_report, &cli_synth,
+                                           NULL};
