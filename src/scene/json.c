@@ -19,6 +19,14 @@ igi_status igi_json_load(igi_context *ctx, const char *path, igi_json_file *file
         start += 3;
         size -= 3;
     }
+    /* Jansson 2.14 lets a NUL behind a number pass; the walk by lines would end there. */
+    const char *nul = memchr(start, 0, size);
+    if (nul) {
+        size_t at = (size_t)(nul - start);
+        igi_json_unload(file);
+        return igi_fail(ctx, IGI_E_DATA, "%s: no valid JSON: byte %zu is a NUL; write it as UTF-8",
+                        path, at);
+    }
     json_error_t error;
     /* Integers as reals: a width may stand as 1080.0, and none may be too large to be read. */
     file->root = json_loadb(start, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
@@ -58,7 +66,7 @@ igi_json igi_json_element(const igi_json *array, size_t index)
     return element;
 }
 
-/* The text has been parsed, so the walk below may trust it. */
+/* The text has been parsed, so the walk below looks for little but the end. */
 
 static const char *skip_blanks(const char *p)
 {
@@ -68,7 +76,8 @@ static const char *skip_blanks(const char *p)
 
 static const char *skip_string(const char *p)
 {
-    for (p++; *p && *p != '"'; p++)
+    if (*p) p++;
+    for (; *p && *p != '"'; p++)
         if (*p == '\\' && p[1]) p++;
     return *p ? p + 1 : p;
 }
@@ -116,7 +125,8 @@ static const char *locate(const igi_json *at, const char **name)
         if (strncmp(start, "\xef\xbb\xbf", 3) == 0) start += 3;
         return *name = skip_blanks(start);
     }
-    const char *p = skip_blanks(locate(at->parent, name) + 1);
+    const char *p = locate(at->parent, name);
+    if (*p) p = skip_blanks(p + 1);
     size_t number = at->key ? member_number(at) : at->index;
     for (size_t i = 0; i < number; i++) {
         if (at->key) p = skip_blanks(skip_string(p));

@@ -202,6 +202,8 @@ static void no_json(void)
     CHECK_REFUSED(IGI_E_DATA, "scene.json:2: no valid JSON: duplicate object key");
     write_text("scene.json", "");
     CHECK_REFUSED(IGI_E_DATA, "scene.json:1: no valid JSON");
+    write_bytes("scene.json", "{ \"igi\": 1\0, \"mesh\": 2 }", 24);
+    CHECK_REFUSED(IGI_E_DATA, "scene.json: no valid JSON: byte 10 is a NUL");
     char deep[20001];
     memset(deep, '[', sizeof deep - 1);
     deep[sizeof deep - 1] = 0;
