@@ -6,7 +6,7 @@
 #ifndef IGI_SRC_SCENE_FRAMES_H
 #define IGI_SRC_SCENE_FRAMES_H
 
-#include "scene/text.h"
+#include "scene/file_text.h"
 
 #include <igi/scene.h>
 

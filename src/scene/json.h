@@ -7,7 +7,7 @@
 #ifndef IGI_SRC_SCENE_JSON_H
 #define IGI_SRC_SCENE_JSON_H
 
-#include "scene/text.h"
+#include "scene/file_text.h"
 
 #include <jansson.h>
 

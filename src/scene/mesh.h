@@ -5,7 +5,7 @@
 #ifndef IGI_SRC_SCENE_MESH_H
 #define IGI_SRC_SCENE_MESH_H
 
-#include "scene/text.h"
+#include "scene/file_text.h"
 
 #include <igi/scene.h>
 

@@ -6,7 +6,7 @@
 
 #include "scene/frames.h"
 #include "scene/json.h"
-#include "scene/manifest.h"
+#include "scene/scene_parts.h"
 #include "scene/mesh.h"
 #include "scene/photos.h"
 

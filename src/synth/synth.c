@@ -6,7 +6,7 @@
 #include "synth/synth.h"
 
 #include "render/render.h"
-#include "scene/manifest.h"
+#include "scene/scene_parts.h"
 #include "scene/mesh.h"
 
 #include <igi/image.h>

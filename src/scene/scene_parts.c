@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "scene/manifest.h"
+#include "scene/scene_parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "scene/text.h"
+#include "scene/file_text.h"
 
 #include <errno.h>
 #include <math.h>

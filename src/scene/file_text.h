@@ -2,8 +2,8 @@
  *
  * Files in memory, paths, and numbers out of text.
  */
-#ifndef IGI_SRC_SCENE_TEXT_H
-#define IGI_SRC_SCENE_TEXT_H
+#ifndef IGI_SRC_SCENE_FILE_TEXT_H
+#define IGI_SRC_SCENE_FILE_TEXT_H
 
 #include "base/context.h"
 

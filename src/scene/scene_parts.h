@@ -2,8 +2,8 @@
  *
  * The parts of scene.json that describe lights and regions.
  */
-#ifndef IGI_SRC_SCENE_MANIFEST_H
-#define IGI_SRC_SCENE_MANIFEST_H
+#ifndef IGI_SRC_SCENE_PARTS_H
+#define IGI_SRC_SCENE_PARTS_H
 
 #include "scene/json.h"
 
