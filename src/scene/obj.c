@@ -4,6 +4,7 @@
  * material libraries, lines, points and free-form surfaces are passed over.
  */
 #include "scene/mesh.h"
+#include "scene/polygon.h"
 
 #include <string.h>
 
@@ -14,6 +15,7 @@ typedef struct obj_reader {
     uint32_t line;
     uint32_t region;
     bool has_region;
+    uint32_t large_line; /* of the first polygon too large to be looked at, or 0 */
 } obj_reader;
 
 static igi_status fail(const obj_reader *r, const char *what)
@@ -120,29 +122,54 @@ static igi_status read_corner(obj_reader *r, uint32_t *vertex, uint32_t *uv)
     return IGI_OK;
 }
 
-/* Polygons become fans around their first corner. */
+/* The fan of the last face is not it when the polygon is not convex. */
+static void mend_fan(obj_reader *r, const igi_face *corners, size_t count)
+{
+    double points[IGI_POLYGON_MAX][3];
+    uint32_t triangles[IGI_POLYGON_MAX][3];
+    for (size_t i = 0; i < count; i++) {
+        if (corners[i].vertex[0] >= r->mesh->vertex_count) return; /* it stands further down */
+        for (int k = 0; k < 3; k++)
+            points[i][k] = (double)r->mesh->positions[3 * (size_t)corners[i].vertex[0] + (size_t)k];
+    }
+    if (igi_polygon_split((const double(*)[3])points, count, triangles)) return;
+    igi_face *faces = r->mesh->faces + r->mesh->face_count - (count - 2);
+    for (size_t i = 0; i + 2 < count; i++)
+        for (int k = 0; k < 3; k++) {
+            faces[i].vertex[k] = corners[triangles[i][k]].vertex[0];
+            faces[i].uv[k] = corners[triangles[i][k]].uv[0];
+        }
+}
+
+/* Polygons become fans around their first corner, or what mend_fan makes of them. */
 static igi_status read_face(obj_reader *r)
 {
-    igi_face face = {.line = r->line};
-    size_t corners = 0;
+    igi_face face = {.line = r->line}, corners[IGI_POLYGON_MAX];
+    size_t count = 0;
     if (!r->has_region) {
         IGI_TRY(igi_mesh_builder_region(r->mesh, "default", 7, r->line, &r->region));
         r->has_region = true;
     }
     face.region = r->region;
-    for (skip_blanks(r); !at_line_end(r); skip_blanks(r), corners++) {
+    for (skip_blanks(r); !at_line_end(r); skip_blanks(r), count++) {
         uint32_t vertex = 0, uv;
         IGI_TRY(read_corner(r, &vertex, &uv));
-        size_t k = corners < 2 ? corners : 2;
-        if (corners > 2) {
+        size_t k = count < 2 ? count : 2;
+        if (count > 2) {
             face.vertex[1] = face.vertex[2];
             face.uv[1] = face.uv[2];
         }
         face.vertex[k] = vertex;
         face.uv[k] = uv;
         if (k == 2) IGI_TRY(igi_mesh_builder_face(r->mesh, &face));
+        if (count >= IGI_POLYGON_MAX) continue;
+        corners[count].vertex[0] = vertex;
+        corners[count].uv[0] = uv;
     }
-    return corners >= 3 ? IGI_OK : fail(r, "a face of less than three corners; remove the line");
+    if (count < 3) return fail(r, "a face of less than three corners; remove the line");
+    if (count > IGI_POLYGON_MAX && !r->large_line) r->large_line = face.line;
+    if (count > 3 && count <= IGI_POLYGON_MAX) mend_fan(r, corners, count);
+    return IGI_OK;
 }
 
 static igi_status read_material(obj_reader *r)
@@ -194,5 +221,10 @@ igi_status igi_obj_read(igi_mesh_builder *builder, const igi_text *text)
     r.at = text->bytes;
     r.end = text->bytes + text->size;
     for (r.line = 1; r.at < r.end; skip_line(&r)) IGI_TRY(read_statement(&r));
+    if (r.large_line)
+        igi_warn(r.ctx,
+                 "%s:%u: a polygon of more than %d corners, split as if it were convex; if it is "
+                 "not, triangulate it",
+                 r.file, (unsigned)r.large_line, IGI_POLYGON_MAX);
     return IGI_OK;
 }

@@ -5,6 +5,7 @@
 #include "scene_fixture.h"
 
 #include "scene/mesh.h"
+#include "trace/trace.h"
 
 #define FOLDER "scratch_scene_mesh"
 
@@ -65,6 +66,58 @@ static void polygons(void)
               has_triangle(s, 2, 0, 4, 3));
     if (s) CHECK_STR(s->regions[0].name, "default");
     if (s) CHECK(!s->mesh.uvs && !s->regions[0].has_uvs && !s->regions[0].uvs_wrap);
+    finish();
+}
+
+/* The areas of the triangles' shadows on z = 0, with sign: those of a fan that leaves the polygon
+ * would have both signs. */
+static void check_areas(const igi_scene *s, double want)
+{
+    double sum = 0, least = 1;
+    for (size_t i = 0; s && i < s->mesh.triangle_count; i++) {
+        const float *p[3];
+        for (int k = 0; k < 3; k++)
+            p[k] = s->mesh.positions + 3 * s->mesh.triangles[3 * i + (size_t)k];
+        double area = .5 * (double)((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) -
+                                    (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]));
+        sum += area;
+        least = fmin(least, area * (want < 0 ? -1 : 1));
+    }
+    CHECK_NEAR(sum, want, 1e-6);
+    CHECK(least > 0);
+}
+
+static void concave_polygons(void)
+{
+    /* a floor in the shape of an L, begun at any corner, seen from either side */
+    static const int l[6][2] = {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 3}, {0, 3}};
+    for (int start = 0; start < 6; start++)
+        for (int side = -1; side <= 1; side += 2) {
+            char text[256], *at = text;
+            for (int i = 0; i < 6; i++) {
+                int k = (start + side * i + 6) % 6;
+                at += sprintf(at, "v %d %d 2\nvt %d %d\n", l[k][0], l[k][1], l[k][0], l[k][1]);
+            }
+            sprintf(at, "f 1/1 2/2 3/3 4/4 5/5 6/6\n");
+            igi_scene *s = obj_of(text);
+            CHECK(s && s->mesh.triangle_count == 4 && s->regions[0].has_uvs);
+            check_areas(s, side * 6);
+            for (size_t i = 0; s && s->mesh.uvs && i < 12; i++) { /* the corners kept their own */
+                const float *p = s->mesh.positions + 3 * s->mesh.triangles[i];
+                CHECK(s->mesh.uvs[2 * i] == p[0] && s->mesh.uvs[2 * i + 1] == p[1]);
+            }
+        }
+    /* a wall around a door, upright; and a dart whose fan folds over */
+    check_areas(obj_of("v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf 2 3 4 1\n"), 4);
+    igi_scene *s = obj_of("v 0 5 0\nv 1 5 0\nv 1 5 2\nv 2 5 2\nv 2 5 0\nv 3 5 0\nv 3 5 3\nv 0 5 3\n"
+                          "f 1 2 3 4 5 6 7 8\n");
+    double area = 0;
+    CHECK(s && s->mesh.triangle_count == 6);
+    for (uint32_t i = 0; s && i < 6; i++) area += (double)igi_triangle_area(&s->mesh, i);
+    CHECK_NEAR(area, 7, 1e-5);
+    /* what crosses itself ends, too */
+    s = obj_of("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nv .5 3 0\nf 1 2 3 4 5\n");
+    CHECK(s && s->mesh.triangle_count >= 1);
     finish();
 }
 
@@ -316,8 +369,8 @@ static void one_triangle(void)
     CHECK_LOADS();
 }
 
-TEST_MAIN({"polygons", polygons}, {"indices", indices}, {"corner forms", corner_forms},
-          {"regions", regions}, {"many regions", many_regions},
+TEST_MAIN({"polygons", polygons}, {"concave polygons", concave_polygons}, {"indices", indices},
+          {"corner forms", corner_forms}, {"regions", regions}, {"many regions", many_regions},
           {"layout of lines", layout_of_lines}, {"not finite", not_finite},
           {"zero area", zero_area}, {"texture coordinates", texture_coordinates},
           {"numbers", numbers}, {"PLY", ply}, {"glTF", gltf}, {"one triangle", one_triangle})
