@@ -303,6 +303,41 @@ static void scene_with_colmap(void)
     CHECK_LOADS();
 }
 
+/* ---- rays ---- */
+
+/* Image points of a distorted camera as OpenCV's projectPoints has them (its axes: y down, z
+ * forward), and the rays through them back again. */
+static void distortion(void)
+{
+    static const double seen[4][5] = {{.3, -.2, 1, 497.32877672, 132.242894514},
+                                      {-.8, .55, 2, 140.874033813, 374.436076339},
+                                      {0, 0, 1, 342.3, 235.6},
+                                      {.5, .4, 1, 583.928986937, 429.560423955}};
+    const igi_camera c = {.width = 640,
+                          .height = 480,
+                          .fl_x = 535.9,
+                          .fl_y = 536.5,
+                          .cx = 342.3,
+                          .cy = 235.6,
+                          .k1 = -.266,
+                          .k2 = -.0386,
+                          .k3 = .238,
+                          .p1 = .00178,
+                          .p2 = -.00028,
+                          .camera_to_world = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    for (int i = 0; i < 4; i++) {
+        double x, y;
+        igi_vec point = igi_v((float)seen[i][0], (float)-seen[i][1], (float)-seen[i][2]);
+        CHECK(igi_camera_project(&c, point, &x, &y));
+        CHECK_NEAR(x, seen[i][3], 1e-4); /* the point is of floats */
+        CHECK_NEAR(y, seen[i][4], 1e-4);
+        igi_vec way = igi_camera_direction(&c, seen[i][3], seen[i][4]);
+        CHECK_NEAR((double)igi_length(way), 1, 1e-6);
+        CHECK_NEAR((double)igi_length(igi_cross(way, igi_normalize(point))), 0, 1e-6);
+        CHECK(igi_dot(way, point) > 0);
+    }
+}
+
 /* ---- the photographs ---- */
 
 static void missing_images(void)
@@ -380,7 +415,7 @@ static void one_image_of_many_bands(void)
 TEST_MAIN({"all keys", all_keys}, {"intrinsics by default", intrinsics_by_default},
           {"bad transforms", bad_transforms}, {"COLMAP text", colmap_text},
           {"bad COLMAP text", bad_colmap_text}, {"COLMAP binary", colmap_binary},
-          {"scene with COLMAP", scene_with_colmap}, {"missing images", missing_images},
-          {"images that do not fit", images_that_do_not_fit},
+          {"scene with COLMAP", scene_with_colmap}, {"distortion", distortion},
+          {"missing images", missing_images}, {"images that do not fit", images_that_do_not_fit},
           {"truncated header", truncated_header}, {"doubled frame", doubled_frame},
           {"one image of many bands", one_image_of_many_bands})
