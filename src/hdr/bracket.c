@@ -101,6 +101,7 @@ static igi_status known_response(igi_context *ctx, igi_response_kind kind,
 
 typedef struct job {
     const igi_merge_options *options;
+    const igi_exposure *exposures; /* as given */
     ordered *frames;
     igi_bracket bracket;
     igi_response *response; /* NULL until known */
@@ -135,7 +136,8 @@ static igi_status first_pass(igi_context *ctx, job *j)
             igi_response_kind kind = choose_response(j->options, photo, bracket->count);
             bracket->channels = photo->channels;
             bracket->levels = photo->levels;
-            if (kind != IGI_RESPONSE_RECOVERED)
+            if (kind != IGI_RESPONSE_RECOVERED && kind != IGI_RESPONSE_DEBEVEC &&
+                kind != IGI_RESPONSE_ROBERTSON)
                 IGI_TRY_GOTO(known_response(ctx, kind, j->options, photo, &j->response));
         } else {
             IGI_TRY_GOTO(check_shape(ctx, path, photo, j->frames[0].exposure->path, previous));
@@ -216,12 +218,19 @@ static void use_measured_ratios(igi_bracket *bracket)
 static igi_status settle_exposures(igi_context *ctx, job *j)
 {
     igi_bracket *bracket = &j->bracket;
+    if (bracket->count < 2 && !j->response)
+        return igi_fail(ctx, IGI_E_DATA, "%s: one photograph alone tells no response; give it, or "
+                        "say --response srgb", j->frames[0].exposure->path);
     if (bracket->count < 2) return IGI_OK;
     j->fitted = !j->response;
     if (j->fitted) IGI_TRY(igi_hdr_recover_response(ctx, bracket, &j->response));
     IGI_TRY(judge_exposures(ctx, j));
     if (!j->fitted && j->options->refine) use_measured_ratios(bracket);
-    return IGI_OK;
+    if (j->options->response != IGI_RESPONSE_DEBEVEC && j->options->response != IGI_RESPONSE_ROBERTSON)
+        return IGI_OK;
+    igi_response_destroy(j->response);
+    return igi_hdr_compare_response(ctx, j->exposures, bracket->count,
+                                    j->options->response == IGI_RESPONSE_ROBERTSON, &j->response);
 }
 
 static igi_status second_pass(igi_context *ctx, job *j, igi_merged *out)
@@ -294,6 +303,7 @@ igi_status igi_merge(igi_context *ctx, const igi_exposure *exposures, size_t cou
     if (count < 1) return igi_fail(ctx, IGI_E_USAGE, "merge: no photographs; name at least one");
     igi_merge_options_init(&defaults);
     j.options = options ? options : &defaults;
+    j.exposures = exposures;
     igi_stage_begin(ctx, "merge");
     IGI_TRY_GOTO(prepare_job(ctx, exposures, count, &j));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &made));
@@ -302,7 +312,11 @@ igi_status igi_merge(igi_context *ctx, const igi_exposure *exposures, size_t cou
     for (size_t i = 0; i < count; i++) made->frames[i].stated = igi_hdr_exposure(&exposures[i]);
     IGI_TRY_GOTO(first_pass(ctx, &j));
     IGI_TRY_GOTO(settle_exposures(ctx, &j));
-    IGI_TRY_GOTO(second_pass(ctx, &j, made));
+    if (j.options->method == IGI_MERGE_PHOTON)
+        IGI_TRY_GOTO(second_pass(ctx, &j, made));
+    else
+        IGI_TRY_GOTO(igi_hdr_compare_merge(ctx, exposures, count, j.response,
+                                           j.options->method == IGI_MERGE_ROBERTSON, &made->image));
     made->response = j.response;
     j.response = NULL;
     *merged = made;

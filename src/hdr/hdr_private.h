@@ -54,6 +54,14 @@ IGI_MUST_USE igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo 
 IGI_MUST_USE igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *b,
                                       igi_shift *shift);
 
+/* Debevec's or Robertson's method, OpenCV's: the response, and the radiance by any response. */
+IGI_MUST_USE igi_status igi_hdr_compare_response(igi_context *ctx, const igi_exposure *exposures,
+                                                 size_t count, bool robertson,
+                                                 igi_response **response);
+IGI_MUST_USE igi_status igi_hdr_compare_merge(igi_context *ctx, const igi_exposure *exposures,
+                                              size_t count, const igi_response *response,
+                                              bool robertson, igi_image **image);
+
 /* Solves A x = b in place for `count` right-hand sides b[count][n] by Cholesky; A row-major,
  * symmetric, positive; it is overwritten. False when it is not positive. */
 bool igi_hdr_solve(double *a, size_t n, double *b, size_t count);

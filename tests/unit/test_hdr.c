@@ -354,45 +354,66 @@ static uint8_t *inside_mask(igi_context *ctx, const igi_exposure *exposures, siz
     return mask;
 }
 
+/* Merges, and compares each colour with the reference: correlation and stops. */
+static void judge_memorial(igi_context *ctx, const igi_exposure *exposures, size_t count,
+                           const igi_merge_options *options, const float *want,
+                           const uint8_t *mask, double result[3][2])
+{
+    igi_merged *merged = NULL;
+    CHECK_OK(ctx, igi_merge(ctx, exposures, count, options, &merged));
+    if (!merged) return;
+    const igi_image *image = merged->image;
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    double *a = malloc(pixels * sizeof *a), *b = malloc(pixels * sizeof *b);
+    if (!a || !b) abort();
+    for (size_t c = 0; c < 3; c++) {
+        size_t used = 0;
+        for (size_t k = 0; k < pixels; k++) {
+            double x = (double)image->samples[k * (size_t)image->channels + c];
+            double y = (double)want[k * 3 + c];
+            if (!mask[k] || !(x > 0) || y < 2e-4) continue; /* a hundredth of the median */
+            a[used] = log2(x);
+            b[used++] = log2(y);
+        }
+        compare(a, b, used, &result[c][0], &result[c][1]);
+        printf("memorial %c: correlation %.4f, %.3f stop\n", "RGB"[c], result[c][0], result[c][1]);
+    }
+    free(a);
+    free(b);
+    igi_merged_destroy(merged);
+}
+
 static void memorial_church(void)
 {
     char list[600], folder[600], reference[600];
     igi_exposure exposures[16];
     static char paths[16][700];
+    double ours[3][2] = {{0}}, robertson[3][2] = {{0}};
+    igi_merge_options options;
     int w = 0, h = 0;
     if (!test_shared_data("real/hdr_memorial/memorial.hdr_image_list.txt", list, sizeof list) ||
         !test_shared_data("real/hdr_memorial/memorial_reference.hdr", reference, sizeof reference) ||
         !test_shared_data("real/hdr_memorial", folder, sizeof folder))
         return;
     igi_context *ctx = test_context(1);
-    igi_merged *merged = NULL;
     size_t count = read_foreign_list(list, folder, 0, true, exposures, paths, 16);
     CHECK(count == 16);
-    CHECK_OK(ctx, igi_merge(ctx, exposures, count, NULL, &merged));
     float *want = read_rgbe(reference, &w, &h);
     uint8_t *mask = inside_mask(ctx, exposures, count, w, h);
-    double *a = malloc((size_t)(w * h) * sizeof *a), *b = malloc((size_t)(w * h) * sizeof *b);
-    if (!a || !b) abort();
-    for (int c = 0; merged && c < 3; c++) {
-        size_t used = 0;
-        double correlation, stops;
-        for (int k = 0; k < w * h; k++) {
-            double x = (double)merged->image->samples[k * 7 + c], y = (double)want[k * 3 + c];
-            if (!mask[k] || !(x > 0) || y < 2e-4) continue; /* a hundredth of the median */
-            a[used] = log2(x);
-            b[used++] = log2(y);
-        }
-        compare(a, b, used, &correlation, &stops);
-        printf("memorial %c: correlation %.4f, %.3f stop\n", "RGB"[c], correlation, stops);
-        /* OpenCV's Robertson, the better of its two: .9986 .9983 .9982, .034 .056 .063. */
-        CHECK(correlation > .9987);
-        CHECK(stops < .04);
-    }
-    free(a);
-    free(b);
+    judge_memorial(ctx, exposures, count, NULL, want, mask, ours);
+    for (int c = 0; c < 3; c++) CHECK(ours[c][0] > .9987 && ours[c][1] < .04);
+    /* In one run with OpenCV's better method, on every second exposure to save time. */
+    for (size_t i = 0; i < 8; i++) exposures[i] = exposures[2 * i];
+    igi_merge_options_init(&options);
+    judge_memorial(ctx, exposures, 8, &options, want, mask, ours);
+    options.align = false;
+    options.response = IGI_RESPONSE_ROBERTSON;
+    options.method = IGI_MERGE_ROBERTSON;
+    judge_memorial(ctx, exposures, 8, &options, want, mask, robertson);
+    for (int c = 0; c < 3; c++)
+        CHECK(ours[c][0] > robertson[c][0] && ours[c][1] < robertson[c][1]);
     free(mask);
     free(want);
-    igi_merged_destroy(merged);
     igi_context_destroy(ctx);
 }
 

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * OpenCV behind C.
+ */
+extern "C" {
+#include "base/context.h"
+}
+#include "bridge/opencv.h"
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/photo.hpp>
+
+#include <cstring>
+#include <new>
+#include <vector>
+
+namespace {
+
+// OpenCV prints errors before it throws them; the sentence says enough.
+int say_nothing(int, const char *, const char *, const char *, int, void *)
+{
+    return 0;
+}
+
+// Runs the body; every exception becomes a status.
+template <class Body> igi_status guarded(igi_context *ctx, const char *what, Body body)
+{
+    try {
+        cv::redirectError(say_nothing);
+        cv::setNumThreads(igi_threads(ctx));
+        body();
+        return IGI_OK;
+    } catch (const std::bad_alloc &) {
+        return igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory; use fewer or smaller photographs", what);
+    } catch (const std::exception &e) {
+        return igi_fail(ctx, IGI_E_NO_ANSWER, "%s: OpenCV gave up (%.200s); check the input", what,
+                        e.what());
+    } catch (...) {
+        return igi_fail(ctx, IGI_E_INTERNAL, "%s: OpenCV threw what it should not; report this", what);
+    }
+}
+
+std::vector<cv::Mat> photos_of(const igi_cv_bracket *bracket)
+{
+    std::vector<cv::Mat> photos;
+    for (size_t i = 0; i < bracket->count; i++)
+        photos.emplace_back(bracket->height, bracket->width, CV_8UC3,
+                            const_cast<uint8_t *>(bracket->photos[i]));
+    return photos;
+}
+
+std::vector<float> times_of(const igi_cv_bracket *bracket)
+{
+    return std::vector<float>(bracket->times_s, bracket->times_s + bracket->count);
+}
+
+// The window of the refinement stays within half the distance between corners.
+int window_of(const std::vector<cv::Point2f> &corners, int columns)
+{
+    double least = 1e9;
+    for (size_t i = 1; i < corners.size(); i++)
+        if (i % size_t(columns)) least = std::min(least, cv::norm(corners[i] - corners[i - 1]));
+    return std::max(2, std::min(11, int(least / 2)));
+}
+
+} // namespace
+
+igi_status igi_cv_find_chessboard(igi_context *ctx, const uint8_t *grey, int width, int height,
+                                  int columns, int rows, float *corners, bool *found)
+{
+    *found = false;
+    return guarded(ctx, "chessboard", [&] {
+        const cv::Mat image(height, width, CV_8UC1, const_cast<uint8_t *>(grey));
+        std::vector<cv::Point2f> points;
+        if (!cv::findChessboardCorners(image, cv::Size(columns, rows), points,
+                                       cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE))
+            return;
+        const int half = window_of(points, columns);
+        cv::cornerSubPix(image, points, cv::Size(half, half), cv::Size(-1, -1),
+                         cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-3));
+        for (size_t i = 0; i < points.size(); i++) {
+            corners[2 * i] = points[i].x;
+            corners[2 * i + 1] = points[i].y;
+        }
+        *found = true;
+    });
+}
+
+igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
+                            double parameters[IGI_CV_PARAMETERS],
+                            double deviations[IGI_CV_PARAMETERS], double *rms, double *view_rms)
+{
+    return guarded(ctx, "calibration", [&] {
+        std::vector<cv::Point3f> board;
+        std::vector<std::vector<cv::Point3f>> boards;
+        std::vector<std::vector<cv::Point2f>> corners(views->count);
+        for (size_t p = 0; p < views->points; p++)
+            board.emplace_back(views->board[3 * p], views->board[3 * p + 1], views->board[3 * p + 2]);
+        for (size_t v = 0; v < views->count; v++) {
+            const float *from = views->corners + v * views->points * 2;
+            for (size_t p = 0; p < views->points; p++)
+                corners[v].emplace_back(from[2 * p], from[2 * p + 1]);
+            boards.push_back(board);
+        }
+        cv::Mat camera, distortion, intrinsic_deviations, extrinsic_deviations, errors;
+        std::vector<cv::Mat> rotations, translations;
+        *rms = cv::calibrateCamera(boards, corners, cv::Size(views->width, views->height), camera,
+                                   distortion, rotations, translations, intrinsic_deviations,
+                                   extrinsic_deviations, errors);
+        const double fitted[IGI_CV_PARAMETERS] = {
+            camera.at<double>(0, 0), camera.at<double>(1, 1), camera.at<double>(0, 2),
+            camera.at<double>(1, 2), distortion.at<double>(0), distortion.at<double>(1),
+            distortion.at<double>(2), distortion.at<double>(3), distortion.at<double>(4)};
+        for (int i = 0; i < IGI_CV_PARAMETERS; i++) {
+            parameters[i] = fitted[i];
+            deviations[i] = intrinsic_deviations.at<double>(i);
+        }
+        for (size_t v = 0; v < views->count; v++) view_rms[v] = errors.at<double>(int(v));
+    });
+}
+
+igi_status igi_cv_response(igi_context *ctx, const igi_cv_bracket *bracket, bool robertson,
+                           float *response)
+{
+    return guarded(ctx, "response", [&] {
+        cv::Ptr<cv::CalibrateCRF> method;
+        if (robertson) method = cv::createCalibrateRobertson();
+        else method = cv::createCalibrateDebevec();
+        cv::Mat result;
+        method->process(photos_of(bracket), result, times_of(bracket));
+        for (int z = 0; z < 256; z++)
+            for (int c = 0; c < 3; c++) response[3 * z + c] = result.at<cv::Vec3f>(z)[c];
+    });
+}
+
+igi_status igi_cv_merge(igi_context *ctx, const igi_cv_bracket *bracket, const float *response,
+                        bool robertson, float *radiance)
+{
+    return guarded(ctx, "merge", [&] {
+        const cv::Mat curve(256, 1, CV_32FC3, const_cast<float *>(response));
+        cv::Ptr<cv::MergeExposures> method;
+        if (robertson) method = cv::createMergeRobertson();
+        else method = cv::createMergeDebevec();
+        cv::Mat result;
+        method->process(photos_of(bracket), result, times_of(bracket), curve);
+        const cv::Mat whole = result.isContinuous() ? result : result.clone();
+        std::memcpy(radiance, whole.ptr<float>(),
+                    size_t(bracket->width) * size_t(bracket->height) * 3 * sizeof(float));
+    });
+}
