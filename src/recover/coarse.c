@@ -120,16 +120,16 @@ static igi_status light_element(igi_context *ctx, void *user, size_t e, int work
     double margin = 4 * (double)igi_tracer_epsilon(c->problem->tracer);
     for (int k = 0; k < LIGHT_POINTS; k++) {
         igi_form_factor_pattern(shift, k, 2, x);
-        const igi_facet *facet =
-            igi_elements_facet(c->elements, (uint32_t)e, (k + shift[2]) / LIGHT_POINTS);
+        const igi_facet *facet = igi_elements_facet(c->elements, (uint32_t)e,
+                                                    (k + shift[2]) / LIGHT_POINTS);
         igi_facet_point(facet, x[0], x[1], margin, point);
         igi_vec normal = igi_scale(igi_v_ofd(facet->normal), element->back ? -1 : 1);
         for (size_t l = 0; l < c->lights; l++)
-            c->direct[e * c->lights + l] +=
-                igi_light_irradiance(c->problem->lighting, c->problem->tracer, l, igi_v_ofd(point),
-                                     normal, SHADOW_RAYS,
-                                     (e * LIGHT_POINTS + (size_t)k) * c->lights + l) /
-                LIGHT_POINTS;
+            c->direct[e * c->lights + l] += igi_light_irradiance(
+                                                c->problem->lighting, c->problem->tracer, l,
+                                                igi_v_ofd(point), normal, SHADOW_RAYS,
+                                                (e * LIGHT_POINTS + (size_t)k) * c->lights + l) /
+                                            LIGHT_POINTS;
     }
     igi_count_rays(ctx, LIGHT_POINTS * SHADOW_RAYS * c->lights);
     return IGI_OK;

@@ -16,8 +16,8 @@
 
 void igi_factor_options_init(igi_factor_options *options, igi_factor_way way)
 {
-    *options =
-        (igi_factor_options){.way = way, .rays = 1024, .points = 4, .resolution = 64, .seed = 1};
+    *options = (igi_factor_options){
+        .way = way, .rays = 1024, .points = 4, .resolution = 64, .seed = 1};
 }
 
 void igi_form_factor_pattern(const double *shift, int k, int dimensions, double *x)
@@ -80,8 +80,8 @@ static double exchange(const igi_elements *elements, const igi_element *a, const
         for (size_t j = 0; j < b->facet_count; j++) {
             double q[3][3];
             corners_on_side(&elements->facets[b->first_facet + j], b->back, q);
-            sum +=
-                area * igi_form_factor_between((const double(*)[3])p, 3, (const double(*)[3])q, 3);
+            sum += area *
+                   igi_form_factor_between((const double(*)[3])p, 3, (const double(*)[3])q, 3);
         }
     }
     return sum;

@@ -67,10 +67,8 @@ double igi_form_factor_from_point(const double point[3], const double normal[3],
         if (ha <= 0 && hb <= 0) continue;
         if (ha < 0 || hb < 0) {
             d3 on = madd(a, sub(b, a), ha / (ha - hb));
-            if (ha < 0)
-                a = enter = on;
-            else
-                b = leave = on;
+            if (ha < 0) a = enter = on;
+            else b = leave = on;
         } else if (ha == 0) {
             enter = a;
         } else if (hb == 0) {

@@ -323,10 +323,8 @@ const igi_facet *igi_elements_facet(const igi_elements *elements, uint32_t e, do
     size_t low = 0, high = element->facet_count - 1;
     while (low < high) {
         size_t middle = (low + high) / 2;
-        if (facets[middle].area_so_far > wanted)
-            high = middle;
-        else
-            low = middle + 1;
+        if (facets[middle].area_so_far > wanted) high = middle;
+        else low = middle + 1;
     }
     return &facets[low];
 }

@@ -245,8 +245,8 @@ static void sphere_inside(void)
         double *closed = factors(&s, IGI_FACTOR_CLOSED, 0, 1),
                *want = malloc(count * count * sizeof *want);
         for (size_t i = 0; i < count * count; i++)
-            want[i] =
-                i % count == i / count ? 0 : s.elements->elements[i % count].area / (4 * IGI_PI);
+            want[i] = i % count == i / count ? 0
+                                             : s.elements->elements[i % count].area / (4 * IGI_PI);
         double error = difference(&s, closed, want);
         printf("   %4zu facets: %.4f\n", count, error);
         CHECK(error < last / 1.8);

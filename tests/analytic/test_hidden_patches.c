@@ -112,8 +112,8 @@ static void photograph(world *w, size_t count, double hidden_share, double noise
         for (size_t b = 0; b < BANDS; b++) {
             double error = 0; /* of variance 1, near enough normal */
             for (int s = 0; s < 12; s++) error += (double)igi_rng_float(&rng);
-            o->radiance[i * BANDS + b] =
-                (float)(w->radiosity[b][e] / IGI_PI * (1 + noise * (error - 6)));
+            o->radiance[i * BANDS + b] = (float)(w->radiosity[b][e] / IGI_PI *
+                                                 (1 + noise * (error - 6)));
         }
     }
     o->frame_begin[1] = o->count;

@@ -153,8 +153,8 @@ static void light_by_point(const setting *s, const double *eye, double intensity
         const igi_element *e = &s->elements->elements[i];
         irradiance[i] = 0;
         for (size_t f = 0; f < e->facet_count; f++)
-            irradiance[i] +=
-                intensity / e->area * solid_angle(&s->elements->facets[e->first_facet + f], eye);
+            irradiance[i] += intensity / e->area *
+                             solid_angle(&s->elements->facets[e->first_facet + f], eye);
     }
 }
 
