@@ -6,7 +6,10 @@
 set -u
 igi=$1
 build=$2
+tests=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
+out=$work/.out
+err=$work/.err
 trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
 cd "$work" || exit 1
 failures=0
@@ -17,23 +20,23 @@ fail() {
 }
 
 # expect STATUS PATTERN COMMAND...: the exit status, and an extended regular expression that the
-# command's stderr matches ("" : stderr is empty). stdout is left in $work/out, stderr in $work/err.
+# command's stderr matches ("" : stderr is empty). stdout is left in $out, stderr in $err.
 expect() {
     want=$1 pattern=$2
     shift 2
-    "$@" >"$work/out" 2>"$work/err" </dev/null
+    "$@" >"$out" 2>"$err" </dev/null
     got=$?
-    [ "$got" -eq "$want" ] || fail "exit status $got, not $want: $*: $(head -n 3 "$work/err")"
+    [ "$got" -eq "$want" ] || fail "exit status $got, not $want: $*: $(head -n 3 "$err")"
     if [ -z "$pattern" ]; then
-        [ ! -s "$work/err" ] || fail "words on stderr: $*: $(head -n 3 "$work/err")"
+        [ ! -s "$err" ] || fail "words on stderr: $*: $(head -n 3 "$err")"
     else
-        grep -qE -e "$pattern" "$work/err" || fail "stderr lacks '$pattern': $*: $(cat "$work/err")"
+        grep -qE -e "$pattern" "$err" || fail "stderr lacks '$pattern': $*: $(cat "$err")"
     fi
 }
 
 # stdout PATTERN: the last command's stdout matches.
 stdout() {
-    grep -qE -e "$1" "$work/out" || fail "stdout lacks '$1': $(head -n 5 "$work/out")"
+    grep -qE -e "$1" "$out" || fail "stdout lacks '$1': $(head -n 5 "$out")"
 }
 
 skip() {

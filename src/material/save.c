@@ -34,9 +34,41 @@ static json_t *sentences(char **texts, size_t count)
     return array;
 }
 
+/* Arrays of numbers on one line each: blanks after [ and before ] go, others within become one. */
+static void join_numbers(char *text)
+{
+    char *to = text;
+    for (const char *at = text; *at;) {
+        size_t length = *at == '[' ? strcspn(at + 1, "[]{}\"") : 0;
+        if (*at == '"') { /* a string, with what it escapes */
+            for (*to++ = *at++; *at && *at != '"'; *to++ = *at++)
+                if (*at == '\\') *to++ = *at++;
+        }
+        if (length == 0 || at[length + 1] != ']') {
+            if (*at) *to++ = *at++;
+            continue;
+        }
+        for (const char *end = at + length + 1; at < end;) {
+            size_t blanks = strspn(at, " \n");
+            if (blanks && to[-1] != '[' && at + blanks < end) *to++ = ' ';
+            if (blanks) at += blanks;
+            else *to++ = *at++;
+        }
+    }
+    *to = 0;
+}
+
 static igi_status save_json(igi_context *ctx, const json_t *root, const char *path)
 {
-    if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) == 0) return IGI_OK;
+    json_free_t release;
+    json_get_alloc_funcs(NULL, &release);
+    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    FILE *file = text ? fopen(path, "w") : NULL;
+    if (text) join_numbers(text);
+    bool written = file && fprintf(file, "%s\n", text) > 0;
+    if (file && fclose(file) != 0) written = false;
+    release(text);
+    if (written) return IGI_OK;
     return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
                     path, strerror(errno));
 }

@@ -17,6 +17,10 @@
 #define BROKEN_SHARE 0.1
 /* Noise about zero is data; what lies farther below zero than this share of the mean is not. */
 #define NEGATIVE_SHARE 0.05f
+/* A camera that meets back sides alone, where the others together meet few, stands inside
+ * something. */
+#define ALL_BACK 0.9
+#define FEW_BACK 0.5
 
 typedef struct frame_pixels {
     size_t count;
@@ -24,6 +28,7 @@ typedef struct frame_pixels {
     float *uv, *radiance;
     size_t broken;
     uint32_t first_broken;
+    size_t hits, back; /* pixels that show a surface, and its clockwise side */
 } frame_pixels;
 
 typedef struct job {
@@ -99,7 +104,7 @@ static igi_status check_photograph(igi_context *ctx, const igi_scene *scene, siz
 }
 
 static igi_status check_pixels(igi_context *ctx, const igi_scene *scene, size_t frame,
-                               const frame_pixels *f, const igi_visible *visible)
+                               frame_pixels *f, const igi_visible *visible)
 {
     const igi_frame *meta = &scene->frames[frame];
     size_t pixels = (size_t)visible->width * (size_t)visible->height;
@@ -110,12 +115,34 @@ static igi_status check_pixels(igi_context *ctx, const igi_scene *scene, size_t 
                         meta->path, f->broken, pixels,
                         f->first_broken % (uint32_t)visible->width,
                         f->first_broken / (uint32_t)visible->width);
-    for (size_t i = 0; i < pixels; i++)
-        if (visible->hits[i].triangle != IGI_NO_HIT) return IGI_OK;
+    for (size_t i = 0; i < pixels; i++) {
+        bool hit = visible->hits[i].triangle != IGI_NO_HIT;
+        f->hits += hit;
+        f->back += hit && visible->hits[i].back;
+    }
+    if (f->hits > 0) return IGI_OK;
     return igi_fail(ctx, IGI_E_DATA,
                     "%s: this camera sees nothing of the mesh; check that mesh and cameras share "
                     "one frame and one unit (metres)",
                     meta->path);
+}
+
+static igi_status check_places(igi_context *ctx, const igi_scene *scene, const frame_pixels *frames)
+{
+    size_t hits = 0, back = 0;
+    for (size_t i = 0; i < scene->frame_count; i++) {
+        hits += frames[i].hits;
+        back += frames[i].back;
+    }
+    if ((double)back > FEW_BACK * (double)hits) return IGI_OK; /* the mesh is inside out */
+    for (size_t i = 0; i < scene->frame_count; i++)
+        if ((double)frames[i].back > ALL_BACK * (double)frames[i].hits)
+            return igi_fail(ctx, IGI_E_DATA,
+                            "%s: this camera sees back sides alone: it stands inside a wall or a "
+                            "piece of furniture; correct its place, or leave it out of the cameras' "
+                            "file",
+                            scene->frames[i].path);
+    return IGI_OK;
 }
 
 static igi_status allocate_frame(igi_context *ctx, frame_pixels *f, size_t pixels, int bands)
@@ -211,6 +238,7 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     o->bands = scene->bands;
     o->frame_count = scene->frame_count;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
+    IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(warn_of_broken(ctx, &j, o));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
     *observations = o;

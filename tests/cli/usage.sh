@@ -7,10 +7,10 @@
 
 expect 0 "" "$igi"
 stdout '^usage: igi COMMAND'
-[ "$(wc -l <"$work/out")" -le 12 ] || fail "igi alone says more than a dozen lines"
-cp "$work/out" overview
+[ "$(wc -l <"$out")" -le 12 ] || fail "igi alone says more than a dozen lines"
+cp "$out" overview
 expect 0 "" "$igi" help
-cmp -s overview "$work/out" || fail "igi and igi help differ"
+cmp -s overview "$out" || fail "igi and igi help differ"
 expect 0 "" "$igi" --help
 expect 0 "" "$igi" -h
 expect 0 "" "$igi" --version
@@ -21,9 +21,9 @@ for command in $("$igi" | sed -n 's/^  igi \([a-z]*\) .*/\1/p'); do
     stdout "^usage: igi $command"
     stdout '^example: igi'
     stdout '--threads N .*\[0\]'
-    cp "$work/out" help
+    cp "$out" help
     expect 0 "" "$igi" "$command" --help
-    cmp -s help "$work/out" || fail "help $command and $command --help differ"
+    cmp -s help "$out" || fail "help $command and $command --help differ"
     expect 0 "" "$igi" "$command" -h
     expect 2 'there is no such option; see igi help' "$igi" "$command" --no-such-thing
 done
@@ -61,7 +61,7 @@ expect 3 'scene\.json' "$igi" recover empty -n
 for left in out*; do
     [ "$left" = out ] || [ "$left" = "out*" ] || fail "left behind: $left"
 done
-[ "$(cat "$work/out")" = "" ] || fail "words on stdout of a failure"
+[ "$(cat "$out")" = "" ] || fail "words on stdout of a failure"
 
 # A result that cannot be delivered is no success.
 if [ -w /dev/full ]; then

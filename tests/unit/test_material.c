@@ -48,7 +48,7 @@ static igi_materials *sample(igi_context *ctx)
         .determined = true, .albedo = {.7, .6, .5}, .specular = .04, .specular_std = .001,
         .alpha = .2, .alpha_std = .01, .observed = 1, .views = 7, .textured = true};
     m->materials[1].warnings = igi_calloc(ctx, 1, sizeof(char *));
-    m->materials[1].warnings[0] = copy_of(ctx, "a \"warning\"");
+    m->materials[1].warnings[0] = copy_of(ctx, "a \"warning\" [1,\n 2]\\");
     m->materials[1].warning_count = 1;
     CHECK_OK(ctx, igi_image_create(ctx, 2, 2, 4, &m->materials[1].map));
     CHECK_OK(ctx, igi_image_create(ctx, 2, 2, 3, &m->materials[1].map_std));
@@ -79,7 +79,7 @@ static void written_is_read(void)
         const igi_material *wall = &got->materials[1];
         CHECK_STR(wall->region, "../wall/%é");
         CHECK(wall->model == IGI_GGX && wall->warning_count == 1 && wall->map && wall->map_std);
-        CHECK_STR(wall->warnings[0], "a \"warning\"");
+        CHECK_STR(wall->warnings[0], "a \"warning\" [1,\n 2]\\");
         CHECK_NEAR(wall->alpha, .2, 1e-9);
         for (int i = 0; wall->map && i < 16; i++)
             CHECK_NEAR((double)wall->map->samples[i], i / 16., 1e-3);
@@ -107,6 +107,8 @@ static void same_content_same_bytes(void)
     CHECK(n > 100 && n < sizeof first);
     CHECK(read_bytes(FOLDER "/materials.json", second, sizeof second) == n);
     CHECK(memcmp(first, second, n) == 0);
+    CHECK_CONTAINS(first, "\"albedo\": [0.7, 0.6, 0.5],\n");
+    CHECK_CONTAINS(first, "\"warnings\": []");
     igi_materials_destroy(got);
     igi_materials_destroy(m);
     igi_context_destroy(ctx);

@@ -1,0 +1,105 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Scenes with something wrong: the sentence, the exit status, and nothing written.
+# shellcheck source=tests/check.sh
+. "$(dirname "$0")/../check.sh"
+edit=$build/edit_exr
+"$igi" synth -q "$tests/cli/mini.json" -o room || fail "no room"
+
+# A fresh copy of the room as `bad`.
+fresh() {
+    rm -rf bad bad.out
+    cp -r room bad
+}
+
+# refused STATUS PATTERN: recovery says so and writes nothing.
+refused() {
+    expect "$1" "$2" "$igi" recover -q bad -o bad.out
+    [ -z "$(find . -maxdepth 1 -name 'bad.out*')" ] || fail "$2: something was written"
+    [ ! -s "$out" ] || fail "$2: words on stdout"
+}
+
+# passes PATTERN: recovery ends well, and materials.json warns so ("": no matter).
+passes() {
+    expect 0 "" "$igi" recover -q bad -o bad.out
+    [ -z "$1" ] || grep -qE -e "$1" bad.out/materials.json || fail "no warning '$1' in materials.json"
+    grep -qE '[[ ]-?(nan|inf)\b' bad.out/materials.json && fail "$1: not a number in materials.json"
+    return 0
+}
+
+# Images.
+fresh; rm bad/images/0002.exr
+refused 3 'images/0002\.exr'
+fresh; head -c 4000 room/images/0002.exr >bad/images/0002.exr
+refused 3 'images/0002\.exr'
+fresh; : >bad/images/0002.exr
+refused 3 'images/0002\.exr'
+fresh; echo 'not a picture' >bad/images/0002.exr
+refused 3 'images/0002\.exr'
+fresh; "$edit" bad/images/0002.exr crop
+refused 3 'images/0002\.exr.*63x48.*64'
+fresh; "$edit" bad/images/0002.exr bands 5
+refused 3 'images/000[02]\.exr.*bands'
+for value in nan inf -1; do
+    fresh; "$edit" bad/images/0002.exr fill $value 1400
+    refused 3 'images/0002\.exr.*pixels are negative, infinite or not a number'
+    fresh; "$edit" bad/images/0002.exr fill $value 4
+    passes '0002.* 4 pixels are negative, infinite or not a number'
+done
+
+# Cameras.
+fresh; sed -i 's/"transform_matrix"/"transfrom_matrix"/' bad/transforms.json
+refused 3 'bad/transforms\.json:[0-9]+: .*trans'
+fresh; python3 - <<'E2'
+import json
+t = json.load(open("bad/transforms.json"))
+t["frames"] = t["frames"][:1]
+json.dump(t, open("bad/transforms.json", "w"))
+E2
+passes ''
+fresh; python3 - <<'E2'
+import json
+t = json.load(open("bad/transforms.json"))
+for row in range(3):
+    t["frames"][1]["transform_matrix"][row][3] = [1.2, 1.9, 0.4][row]
+json.dump(t, open("bad/transforms.json", "w"))
+E2
+expect 3 '0001.*(wall|surface|inside|outside|back)' "$igi" recover -q bad -o bad.out
+fresh; python3 - <<'E2'
+import json
+t = json.load(open("bad/transforms.json"))
+for frame in t["frames"]:
+    for row in range(3):
+        frame["transform_matrix"][row][3] += 1000
+json.dump(t, open("bad/transforms.json", "w"))
+E2
+expect 3 '000[0-9].*' "$igi" recover -q bad -o bad.out
+
+# The mesh.
+fresh; sed -i '0,/^f .*/s//f 1 2 99999/' bad/scene.obj
+refused 3 'bad/scene\.obj:[0-9]+: '
+fresh; printf 'v 0 0 zero\n' >bad/scene.obj
+refused 3 'bad/scene\.obj:1: '
+fresh; : >bad/scene.obj
+refused 3 'bad/scene\.obj'
+fresh; printf 'v 0 0 0\nv 3 0 0\nv 0 3 0\nusemtl floor\nf 1 2 3\n' >bad/scene.obj
+sed -i 's/"lights": \[/"lights": [], "xlights": [/' bad/scene.json
+refused 3 'xlights'
+fresh; printf 'v 0 0 0\nv 0 0 0\nv 0 0 0\nusemtl floor\nf 1 2 3\n' >bad/scene.obj
+refused 3 'bad/scene\.(obj|json)'
+fresh; printf 'v 9 9 9\nv 9 9 9\nv 9 9 9\nusemtl floor\nf -1 -2 -3\n' >>bad/scene.obj
+passes ''
+fresh; printf 'v 90 90 9\nv 91 90 9\nv 90 91 9\nusemtl attic\nf -1 -2 -3\n' >>bad/scene.obj
+passes '(no photograph|not seen|unseen)'
+
+# scene.json.
+fresh; echo '{' >bad/scene.json
+refused 3 'bad/scene\.json:[0-9]+: '
+fresh; sed -i 's/"name"/"nmae"/' bad/scene.json
+refused 3 'bad/scene\.json:[0-9]+: .*nmae'
+fresh; sed -i 's/"region": "panel"/"region": "pannel"/' bad/scene.json
+refused 3 'bad/scene\.json:[0-9]+: .*pannel'
+fresh; sed -i 's/"scene.obj"/"scene.ob"/' bad/scene.json
+refused 3 'bad/scene\.json:[0-9]+: .*scene\.ob'
+finish
