@@ -33,14 +33,14 @@ static void add_emitter(igi_lighting *l, source *s, uint32_t triangle)
     if (!(area > 0)) return;
     igi_vec corner = igi_triangle_point(mesh, triangle, 0, 0);
     s->area += area;
+    l->areas[s->first + s->count] = s->area;
     l->emitters[s->first + s->count++] = (emitter){
         .corner = corner,
         .edge1 = igi_sub(igi_triangle_point(mesh, triangle, 1, 0), corner),
         .edge2 = igi_sub(igi_triangle_point(mesh, triangle, 0, 1), corner),
         .normal = igi_triangle_normal(mesh, triangle),
         .centre = igi_triangle_point(mesh, triangle, 1 / 3.0f, 1 / 3.0f),
-        .area = area,
-        .area_below = s->area};
+        .area = area};
 }
 
 static void gather_emitters(igi_lighting *l)
@@ -97,6 +97,7 @@ igi_status igi_lighting_create(igi_context *ctx, const igi_scene *scene, const i
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &l->light_of_region));
     IGI_TRY_GOTO(count_emitters(ctx, l, lights, &emitters));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->emitters));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->areas));
     for (size_t i = 0; i < light_count; i++) {
         l->sources[i].light = &lights[i];
         IGI_TRY_GOTO(prepare(ctx, &l->sources[i]));
@@ -115,6 +116,7 @@ void igi_lighting_destroy(igi_lighting *lighting)
     if (!lighting) return;
     igi_free(lighting->sources);
     igi_free(lighting->emitters);
+    igi_free(lighting->areas);
     igi_free(lighting->light_of_region);
     igi_free(lighting);
 }

@@ -13,7 +13,6 @@
 typedef struct emitter {
     igi_vec corner, edge1, edge2, normal, centre;
     float area;
-    float area_below; /* area of the emitters of the same light up to and including this one */
 } emitter;
 
 typedef struct sky sky; /* an environment map */
@@ -34,6 +33,7 @@ struct igi_lighting {
     size_t count;
     source *sources;
     emitter *emitters;
+    float *areas; /* of the emitters of the same light up to and including each */
     int *light_of_region; /* -1: dark */
 };
 

@@ -13,16 +13,16 @@ float igi_spot_factor(const source *s, igi_vec direction)
     return angle <= s->beam ? 1 : (s->cutoff - angle) / (s->cutoff - s->beam);
 }
 
-/* The emitter under `area` of the running sum. */
-static const emitter *find_emitter(const emitter *emitters, size_t count, float area)
+/* The first of the running sums that is above `area`. */
+static size_t find_area(const float *areas, size_t count, float area)
 {
     size_t low = 0, high = count - 1;
     while (low < high) {
         size_t middle = (low + high) / 2;
-        if (emitters[middle].area_below > area) high = middle;
+        if (areas[middle] > area) high = middle;
         else low = middle + 1;
     }
-    return &emitters[low];
+    return low;
 }
 
 static bool sample_area(const igi_lighting *l, const source *s, igi_vec point, float u, float v,
@@ -30,9 +30,10 @@ static bool sample_area(const igi_lighting *l, const source *s, igi_vec point, f
 {
     if (s->count == 0) return false;
     float area = u * s->area;
-    const emitter *e = find_emitter(l->emitters + s->first, s->count, area);
+    size_t found = s->first + find_area(l->areas + s->first, s->count, area);
+    const emitter *e = &l->emitters[found];
     /* What is left of u within the triangle is uniform again. */
-    float rest = fminf(1.0f, fmaxf(0.0f, 1 - (e->area_below - area) / e->area));
+    float rest = fminf(1.0f, fmaxf(0.0f, 1 - (l->areas[found] - area) / e->area));
     float root = sqrtf(rest);
     igi_vec p = igi_madd(igi_madd(e->corner, e->edge1, root * (1 - v)), e->edge2, root * v);
     igi_vec d = igi_sub(p, point);

@@ -24,6 +24,7 @@ struct igi_renderer {
     const igi_scene *scene;
     int bands;
     finish *finishes; /* [region_count] */
+    igi_vec *normals; /* [triangle_count] */
     igi_tracer *tracer;
     const igi_light *lights;
     igi_lighting *lighting;

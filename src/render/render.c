@@ -68,6 +68,9 @@ igi_status igi_renderer_create(igi_context *ctx, const igi_scene *scene,
     IGI_TRY_GOTO(igi_lighting_create(ctx, scene, lights, light_count, &r->lighting));
     for (size_t i = 0; i < scene->region_count; i++)
         IGI_TRY_GOTO(prepare(ctx, r, materials, i, &r->finishes[i]));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->mesh.triangle_count, &r->normals));
+    for (size_t t = 0; t < scene->mesh.triangle_count; t++)
+        r->normals[t] = igi_triangle_normal(&scene->mesh, (uint32_t)t);
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &r->tracer));
 cleanup:
     if (status != IGI_OK) {
@@ -83,6 +86,7 @@ void igi_renderer_destroy(igi_renderer *renderer)
     igi_tracer_destroy(renderer->tracer);
     igi_lighting_destroy(renderer->lighting);
     igi_free(renderer->finishes);
+    igi_free(renderer->normals);
     igi_free(renderer);
 }
 

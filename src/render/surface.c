@@ -48,8 +48,7 @@ void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, su
     s->finish = &r->finishes[mesh->regions[hit->triangle]];
     if (s->finish->absorbs) return;
     s->point = igi_triangle_point(mesh, hit->triangle, hit->u, hit->v);
-    s->normal = igi_triangle_normal(mesh, hit->triangle);
-    if (igi_dot(s->normal, direction) > 0) s->normal = igi_scale(s->normal, -1);
+    s->normal = igi_scale(r->normals[hit->triangle], hit->back ? -1.0f : 1.0f);
     igi_frame_of(s->normal, &s->t, &s->b);
     s->out = igi_v(-igi_dot(direction, s->t), -igi_dot(direction, s->b),
                    -igi_dot(direction, s->normal));
