@@ -31,17 +31,17 @@ typedef struct igi_material {
     igi_model model;
     double albedo[IGI_MAX_BANDS]; /* rho_d; area mean over what the photos determine */
     double albedo_std[IGI_MAX_BANDS];
-    bool determined;       /* false: no photograph determines it; albedo is then a guess, std says so */
-    double specular;       /* rho_s; 0 for lambert */
+    bool determined; /* false: no photograph shows it; albedo is then a guess, as std says */
+    double specular; /* rho_s; 0 for lambert */
     double specular_std;
-    bool specular_is_rgb;  /* a coloured lobe: specular_rgb holds; else all its bands equal specular */
+    bool specular_is_rgb; /* coloured: specular_rgb holds; else all its bands equal specular */
     double specular_rgb[IGI_MAX_BANDS];
     double alpha, alpha_std; /* roughness; 0 for lambert */
-    double observed;       /* fraction of the region's area that a photograph determines */
-    int views;             /* photographs that see it */
-    bool textured;         /* evidence asks for a map, not for one albedo */
-    igi_image *map;        /* rho_d per band, then A: 0..1 how far photos determine the texel; or NULL */
-    igi_image *map_std;    /* one standard deviation per band; NULL with map */
+    double observed;         /* fraction of the region's area that a photograph determines */
+    int views;               /* photographs that see it */
+    bool textured;           /* evidence asks for a map, not for one albedo */
+    igi_image *map;     /* rho_d per band, then A: 0..1, how far photos determine it; or NULL */
+    igi_image *map_std; /* one standard deviation per band; NULL with map */
     size_t warning_count;
     char **warnings;
 } igi_material;
@@ -53,7 +53,7 @@ typedef struct igi_materials {
     igi_material *materials;
     size_t light_count; /* as in the scene, with what was solved filled in */
     igi_light *lights;
-    double (*light_std)[IGI_MAX_BANDS]; /* [light_count] one standard deviation of each value, 0 where it was given */
+    double (*light_std)[IGI_MAX_BANDS]; /* [light_count] of each value; 0 where it was given */
     size_t warning_count;
     char **warnings;
 } igi_materials;

@@ -44,8 +44,7 @@ typedef struct igi_manifest {
  * -H1` prints it) of each input, and the context's stages with their time, rays and memory. The
  * one result that may differ from run to run. */
 IGI_API IGI_MUST_USE igi_status igi_manifest_save(igi_context *context,
-                                                  const igi_manifest *manifest,
-                                                  const char *folder);
+                                                  const igi_manifest *manifest, const char *folder);
 
 /* The version of the library, "0.1.0". */
 IGI_API const char *igi_version(void);

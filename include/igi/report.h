@@ -29,7 +29,7 @@ typedef struct igi_validation {
     igi_region_error *regions;
     double albedo_mean, albedo_median, albedo_max, specular_mean, alpha_mean, texture_median;
     int models, models_right;
-    int glossy_right, glossy_false, glossy_missed; /* lobes: true and false positives, false negatives */
+    int glossy_right, glossy_false, glossy_missed; /* lobes found, invented, missed */
 } igi_validation;
 
 /* Compares the folder that recovery wrote with a truth folder. */

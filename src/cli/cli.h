@@ -20,13 +20,7 @@ typedef struct cli_values {
 } cli_values;
 
 /* One bit a command, for the table of options. */
-enum {
-    CLI_RECOVER = 1,
-    CLI_SYNTH = 2,
-    CLI_VALIDATE = 4,
-    CLI_REPORT = 8,
-    CLI_ALL = 15
-};
+enum { CLI_RECOVER = 1, CLI_SYNTH = 2, CLI_VALIDATE = 4, CLI_REPORT = 8, CLI_ALL = 15 };
 
 typedef struct cli_session cli_session;
 
@@ -64,7 +58,8 @@ bool cli_parse(cli_session *session, int argc, char **argv);
 void cli_print_options(unsigned command);
 /* Names and present values of the command's options, for the manifest; returns how many. `text`
  * holds the numbers' digits. */
-size_t cli_settings(const cli_session *session, igi_setting *settings, char text[][32], size_t room);
+size_t cli_settings(const cli_session *session, igi_setting *settings, char text[][32],
+                    size_t room);
 
 /* The name among `names` that is most like `word`, or NULL when none is near. */
 const char *cli_nearest(const char *word, const char *const *names);

@@ -128,8 +128,7 @@ static igi_status recover_into(cli_session *s, const igi_scene *scene, igi_outpu
     const cli_values *values = &s->values;
     set_options(values, &options);
     igi_status status = igi_recover(s->context, scene, &options, &recovery);
-    if (status == IGI_OK)
-        status = write_results(s, scene, recovery, igi_output_folder(output));
+    if (status == IGI_OK) status = write_results(s, scene, recovery, igi_output_folder(output));
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && values->json) status = print_file(values->output, "materials.json");
@@ -168,8 +167,9 @@ const cli_command cli_recover = {
     .usage = "recover SCENE -o OUT",
     .summary = "albedo with error bars from photographs, mesh and cameras",
     .example = "igi recover my-room -o my-room.out",
-    .details = "SCENE is a folder with scene.json, mesh, cameras and radiance images. OUT receives\n"
-               "materials.json, albedo/ and uncertainty/ (maps), scene.glb, manifest.json and\n"
-               "report.html. truth/, heldout/ and relit*/ in SCENE are never opened.",
+    .details =
+        "SCENE is a folder with scene.json, mesh, cameras and radiance images. OUT receives\n"
+        "materials.json, albedo/ and uncertainty/ (maps), scene.glb, manifest.json and\n"
+        "report.html. truth/, heldout/ and relit*/ in SCENE are never opened.",
     .run = run,
 };

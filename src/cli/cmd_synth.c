@@ -51,8 +51,9 @@ const cli_command cli_synth = {
     .usage = "synth SPEC -o SCENE",
     .summary = "a room with photographs and known truth from a spec",
     .example = "igi synth datasets-synthetic/demo-room.json -o demo-room",
-    .details = "SPEC is a JSON file (datasets-synthetic/README.md). SCENE receives scene.json, mesh,\n"
-               "cameras, images/ and truth/, and heldout/ and relit/ where SPEC asks for them. The\n"
-               "same SPEC and --seed give the same bytes.",
+    .details =
+        "SPEC is a JSON file (datasets-synthetic/README.md). SCENE receives scene.json, mesh,\n"
+        "cameras, images/ and truth/, and heldout/ and relit/ where SPEC asks for them. The\n"
+        "same SPEC and --seed give the same bytes.",
     .run = run,
 };

@@ -38,17 +38,18 @@ static void print_json(const igi_validation *v)
     const struct {
         const char *key;
         double x;
-    } means[] = {{"albedo_mean", v->albedo_mean},       {"albedo_median", v->albedo_median},
-                 {"albedo_max", v->albedo_max},         {"specular_mean", v->specular_mean},
-                 {"alpha_mean", v->alpha_mean},         {"texture_median", v->texture_median}};
+    } means[] = {{"albedo_mean", v->albedo_mean}, {"albedo_median", v->albedo_median},
+                 {"albedo_max", v->albedo_max},   {"specular_mean", v->specular_mean},
+                 {"alpha_mean", v->alpha_mean},   {"texture_median", v->texture_median}};
     putchar('{');
     for (size_t i = 0; i < sizeof means / sizeof means[0]; i++) {
         printf("\"%s\": ", means[i].key);
         cli_print_json_number(means[i].x);
         fputs(", ", stdout);
     }
-    printf("\"models_right\": %d, \"models\": %d, \"glossy_tp_fp_fn\": [%d, %d, %d], \"regions\": {",
-           v->models_right, v->models, v->glossy_right, v->glossy_false, v->glossy_missed);
+    printf(
+        "\"models_right\": %d, \"models\": %d, \"glossy_tp_fp_fn\": [%d, %d, %d], \"regions\": {",
+        v->models_right, v->models, v->glossy_right, v->glossy_false, v->glossy_missed);
     const char *comma = "";
     for (size_t i = 0; i < v->region_count; i++) {
         if (!v->regions[i].judged) continue;
@@ -133,9 +134,10 @@ const cli_command cli_validate = {
     .usage = "validate OUT --truth SCENE/truth",
     .summary = "errors of a result against truth",
     .example = "igi validate cornell.out --truth cornell/truth",
-    .details = "Errors are relative, |got - true| / max(true, 0.02), the mean over bands; of a map,\n"
-               "over the texels that the photographs determine. sigmas: the largest error of a band\n"
-               "in units of its stated standard deviation. Emitters, and regions of which less than\n"
-               "a fifth is seen, are not judged.",
+    .details =
+        "Errors are relative, |got - true| / max(true, 0.02), the mean over bands; of a map,\n"
+        "over the texels that the photographs determine. sigmas: the largest error of a band\n"
+        "in units of its stated standard deviation. Emitters, and regions of which less than\n"
+        "a fifth is seen, are not judged.",
     .run = run,
 };

@@ -56,7 +56,8 @@ static const cli_command *find_command(const char *name)
     }
     names[count] = NULL;
     const char *nearest = cli_nearest(name, names);
-    if (nearest) fprintf(stderr, "igi: %s: there is no such command; did you mean '%s'?\n", name, nearest);
+    if (nearest)
+        fprintf(stderr, "igi: %s: there is no such command; did you mean '%s'?\n", name, nearest);
     else fprintf(stderr, "igi: %s: there is no such command; igi help lists them\n", name);
     return NULL;
 }

@@ -56,7 +56,8 @@ static const option options[] = {
     {"dry-run", 'n', FLAG, CLI_RECOVER, AT(dry_run), NULL, NULL, 0, 0,
      "check the input, say what would be done, write nothing"},
     {"json", 0, FLAG, CLI_ALL, AT(json), NULL, NULL, 0, 0, "print the result as JSON"},
-    {"quiet", 'q', FLAG, CLI_ALL, AT(quiet), NULL, NULL, 0, 0, "no progress, no warnings, no table"},
+    {"quiet", 'q', FLAG, CLI_ALL, AT(quiet), NULL, NULL, 0, 0,
+     "no progress, no warnings, no table"},
     {"verbose", 'v', FLAG, CLI_ALL, AT(verbose), NULL, NULL, 0, 0,
      "say what each stage cost in time, rays and memory"},
     {"help", 'h', FLAG, CLI_ALL, AT(help), NULL, NULL, 0, 0, "this text"},
@@ -112,7 +113,8 @@ static bool say_unknown(const cli_command *command, const char *word)
     const char *names[OPTION_COUNT + 1], *nearest = NULL;
     size_t count = 0;
     char name[64];
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(word + 2, "="), word[1] == '-' ? word + 2 : "");
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(word + 2, "="),
+             word[1] == '-' ? word + 2 : "");
     for (size_t i = 0; i < OPTION_COUNT; i++)
         if (options[i].commands & command->bit) names[count++] = options[i].name;
     names[count] = NULL;
@@ -152,7 +154,8 @@ static bool parse_option(cli_session *s, int argc, char **argv, int *at)
     const char *wrong = store(&s->values, o, value);
     if (!wrong) return true;
     fprintf(stderr, "igi: --%s '%s': %s %s", o->name, value, wrong, o->value);
-    if (o->kind == WHOLE || o->kind == REAL) fprintf(stderr, " from %.16g to %.16g", o->low, o->high);
+    if (o->kind == WHOLE || o->kind == REAL)
+        fprintf(stderr, " from %.16g to %.16g", o->low, o->high);
     fputs("\n", stderr);
     return false;
 }
@@ -205,7 +208,8 @@ size_t cli_settings(const cli_session *s, igi_setting *settings, char text[][32]
         if (!(o->commands & s->command->bit) || o->kind == FLAG) continue;
         const void *field = (const char *)&s->values + o->offset;
         settings[count] = (igi_setting){o->name, text[count]};
-        if (o->kind == TEXT || o->kind == CHOICE) settings[count].value = *(const char *const *)field;
+        if (o->kind == TEXT || o->kind == CHOICE)
+            settings[count].value = *(const char *const *)field;
         else snprintf(text[count], 32, "%.16g", *(const double *)field);
         count += settings[count].value != NULL;
     }

@@ -7,136 +7,12 @@
  * specularFactor = 0 a lambert surface. Roughness is sqrt(alpha). glTF is Y-up with the origin of
  * texture coordinates at the top left: a node turns our Z up, and v becomes 1 - v.
  */
-#include "material/material.h"
+#include "material/gltf_private.h"
 
 #include <errno.h>
-#include <float.h>
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
-
-enum { FLOATS = 5126, UINTS = 5125, VERTICES = 34962, INDICES = 34963 };
-
-typedef struct glb {
-    igi_context *ctx;
-    const igi_materials *materials;
-    const igi_scene *scene;
-    uint8_t *bytes; /* the binary chunk */
-    size_t size, capacity;
-    json_t *views, *accessors, *meshes, *nodes, *material_list, *textures, *images, *lights;
-    json_t *children; /* of the root node */
-    int positions;    /* accessor of all vertices; -1 until it is needed */
-} glb;
-
-static igi_status full(const glb *g)
-{
-    return igi_fail(g->ctx, IGI_E_SYSTEM, "scene.glb: memory ran out, or a name is not UTF-8");
-}
-
-/* Room for `size` bytes, aligned to four, and a buffer view of it (target 0: none). */
-static igi_status add_view(glb *g, size_t size, int target, size_t *offset, int *view)
-{
-    size_t padded = (size + 3) & ~(size_t)3;
-    uint8_t *grown = igi_grow(g->ctx, g->bytes, &g->capacity, g->size + padded, 1);
-    if (!grown) return IGI_E_SYSTEM;
-    g->bytes = grown;
-    memset(g->bytes + g->size, 0, padded);
-    *offset = g->size;
-    *view = (int)json_array_size(g->views);
-    json_t *o = json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)g->size,
-                          "byteLength", (json_int_t)size);
-    if (target) json_object_set_new(o, "target", json_integer(target));
-    g->size += padded;
-    return json_array_append_new(g->views, o) ? full(g) : IGI_OK;
-}
-
-static igi_status add_accessor(glb *g, int view, int type, const char *shape, size_t count,
-                               int *accessor)
-{
-    *accessor = (int)json_array_size(g->accessors);
-    json_t *o = json_pack("{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType", type, "count",
-                          (json_int_t)count, "type", shape);
-    return json_array_append_new(g->accessors, o) ? full(g) : IGI_OK;
-}
-
-/* Positions need their bounds. */
-static igi_status add_positions(glb *g, const float *points, size_t count, int *accessor)
-{
-    size_t offset;
-    int view;
-    float low[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, high[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
-    IGI_TRY(add_view(g, count * 3 * sizeof *points, VERTICES, &offset, &view));
-    memcpy(g->bytes + offset, points, count * 3 * sizeof *points);
-    for (size_t i = 0; i < 3 * count; i++) {
-        low[i % 3] = fminf(low[i % 3], points[i]);
-        high[i % 3] = fmaxf(high[i % 3], points[i]);
-    }
-    IGI_TRY(add_accessor(g, view, FLOATS, "VEC3", count, accessor));
-    json_t *o = json_array_get(g->accessors, (size_t)*accessor);
-    int bad = json_object_set_new(o, "min", json_pack("[f,f,f]", (double)low[0], (double)low[1],
-                                                      (double)low[2]));
-    bad |= json_object_set_new(o, "max", json_pack("[f,f,f]", (double)high[0], (double)high[1],
-                                                   (double)high[2]));
-    return bad ? full(g) : IGI_OK;
-}
-
-static size_t count_triangles(const igi_mesh *mesh, size_t region)
-{
-    size_t count = 0;
-    for (size_t t = 0; t < mesh->triangle_count; t++) count += mesh->regions[t] == region;
-    return count;
-}
-
-/* Vertices are shared where there is no texture. */
-static igi_status add_shared(glb *g, size_t region, size_t triangles, json_t *primitive)
-{
-    const igi_mesh *mesh = &g->scene->mesh;
-    size_t offset;
-    int view, accessor;
-    if (g->positions < 0)
-        IGI_TRY(add_positions(g, mesh->positions, mesh->vertex_count, &g->positions));
-    IGI_TRY(add_view(g, triangles * 3 * sizeof(uint32_t), INDICES, &offset, &view));
-    for (size_t t = 0; t < mesh->triangle_count; t++) {
-        if (mesh->regions[t] != region) continue;
-        memcpy(g->bytes + offset, mesh->triangles + 3 * t, 3 * sizeof(uint32_t));
-        offset += 3 * sizeof(uint32_t);
-    }
-    IGI_TRY(add_accessor(g, view, UINTS, "SCALAR", 3 * triangles, &accessor));
-    json_object_set_new(primitive, "indices", json_integer(accessor));
-    return json_object_set_new(primitive, "attributes", json_pack("{s:i}", "POSITION", g->positions))
-               ? full(g)
-               : IGI_OK;
-}
-
-/* Texture coordinates belong to corners, so a textured region has vertices of its own. */
-static igi_status add_textured(glb *g, size_t region, size_t triangles, json_t *primitive)
-{
-    const igi_mesh *mesh = &g->scene->mesh;
-    igi_status status = IGI_OK;
-    float *points = NULL;
-    size_t offset, corner = 0;
-    int view, position, uv;
-    IGI_TRY_GOTO(IGI_ALLOC(g->ctx, triangles * 9, &points));
-    IGI_TRY_GOTO(add_view(g, triangles * 6 * sizeof(float), VERTICES, &offset, &view));
-    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
-        if (mesh->regions[i / 3] != region) continue;
-        float coordinates[2] = {mesh->uvs[2 * i], 1 - mesh->uvs[2 * i + 1]};
-        memcpy(g->bytes + offset, coordinates, sizeof coordinates);
-        offset += sizeof coordinates;
-        memcpy(points + 3 * corner++, mesh->positions + 3 * (size_t)mesh->triangles[i],
-               3 * sizeof(float));
-    }
-    IGI_TRY_GOTO(add_accessor(g, view, FLOATS, "VEC2", corner, &uv));
-    IGI_TRY_GOTO(add_positions(g, points, corner, &position));
-    if (json_object_set_new(primitive, "attributes",
-                            json_pack("{s:i, s:i}", "POSITION", position, "TEXCOORD_0", uv)))
-        IGI_TRY_GOTO(full(g));
-cleanup:
-    igi_free(points);
-    return status;
-}
 
 static double srgb(double x)
 {
@@ -145,7 +21,7 @@ static double srgb(double x)
 }
 
 /* A map's first three bands as PNG, and a texture of it. */
-static igi_status add_texture(glb *g, const igi_image *map, int *texture)
+static igi_status add_texture(igi_glb *g, const igi_image *map, int *texture)
 {
     igi_status status = IGI_OK;
     size_t texels = (size_t)map->width * (size_t)map->height, size, offset;
@@ -159,13 +35,13 @@ static igi_status add_texture(glb *g, const igi_image *map, int *texture)
         pixels[i] = table[x > 0 ? (int)(fminf(x, 1) * 4095 + .5f) : 0];
     }
     IGI_TRY_GOTO(igi_image_encode_png(g->ctx, pixels, map->width, map->height, 3, &png, &size));
-    IGI_TRY_GOTO(add_view(g, size, 0, &offset, &view));
+    IGI_TRY_GOTO(igi_glb_add_view(g, size, 0, &offset, &view));
     memcpy(g->bytes + offset, png, size);
     *texture = (int)json_array_size(g->textures);
     int bad = json_array_append_new(
         g->images, json_pack("{s:i, s:s}", "bufferView", view, "mimeType", "image/png"));
     bad |= json_array_append_new(g->textures, json_pack("{s:i}", "source", *texture));
-    if (bad) IGI_TRY_GOTO(full(g));
+    if (bad) IGI_TRY_GOTO(igi_glb_full(g));
 cleanup:
     igi_image_free_bytes(png);
     igi_free(pixels);
@@ -179,7 +55,7 @@ static json_t *colour(const double *x, int bands, double scale)
 }
 
 /* Radiance becomes a factor of at most one and its strength. */
-static int put_emission(const glb *g, size_t region, json_t *o, json_t *extensions)
+static int put_emission(const igi_glb *g, size_t region, json_t *o, json_t *extensions)
 {
     int bands = g->materials->bands, bad = 0;
     for (size_t i = 0; i < g->materials->light_count; i++) {
@@ -195,7 +71,7 @@ static int put_emission(const glb *g, size_t region, json_t *o, json_t *extensio
     return bad;
 }
 
-static igi_status add_material(glb *g, size_t region, bool textured)
+static igi_status add_material(igi_glb *g, size_t region, bool textured)
 {
     const igi_material *m = &g->materials->materials[region];
     int bands = g->materials->bands, texture = 0;
@@ -222,32 +98,32 @@ static igi_status add_material(glb *g, size_t region, bool textured)
     int bad = m->emitter ? put_emission(g, region, o, extensions) : 0;
     bad |= json_object_set_new(o, "extensions", extensions);
     bad |= json_array_append_new(g->material_list, o);
-    return bad ? full(g) : IGI_OK;
+    return bad ? igi_glb_full(g) : IGI_OK;
 }
 
-static int add_child(glb *g, json_t *node)
+static int add_child(igi_glb *g, json_t *node)
 {
-    int bad = json_array_append_new(g->children, json_integer((json_int_t)json_array_size(g->nodes)));
+    int bad = json_array_append_new(g->children,
+                                    json_integer((json_int_t)json_array_size(g->nodes)));
     return bad | json_array_append_new(g->nodes, node);
 }
 
-static igi_status add_region(glb *g, size_t region)
+static igi_status add_region(igi_glb *g, size_t region)
 {
     const igi_material *m = &g->materials->materials[region];
-    const igi_mesh *mesh = &g->scene->mesh;
-    size_t triangles = count_triangles(mesh, region);
-    bool textured = m->map && mesh->uvs && g->scene->regions[region].has_uvs && !m->emitter;
+    bool textured = m->map && g->scene->mesh.uvs && g->scene->regions[region].has_uvs &&
+                    !m->emitter;
     IGI_TRY(add_material(g, region, textured));
-    if (triangles == 0) return IGI_OK;
-    json_t *primitive = json_pack("{s:i}", "material", (int)json_array_size(g->material_list) - 1);
-    igi_status status = textured ? add_textured(g, region, triangles, primitive)
-                                 : add_shared(g, region, triangles, primitive);
-    int bad = add_child(g, json_pack("{s:s, s:i}", "name", m->region, "mesh",
-                                     (int)json_array_size(g->meshes)));
+    json_t *primitive = NULL;
+    IGI_TRY(igi_glb_add_primitive(g, region, textured, &primitive));
+    if (!primitive) return IGI_OK;
+    int bad = json_object_set_new(primitive, "material",
+                                  json_integer((json_int_t)json_array_size(g->material_list) - 1));
+    bad |= add_child(
+        g, json_pack("{s:s, s:i}", "name", m->region, "mesh", (int)json_array_size(g->meshes)));
     bad |= json_array_append_new(
         g->meshes, json_pack("{s:s, s:[o]}", "name", m->region, "primitives", primitive));
-    IGI_TRY(status);
-    return bad ? full(g) : IGI_OK;
+    return bad ? igi_glb_full(g) : IGI_OK;
 }
 
 /* The rotation that turns -Z to `d`: half way between the two, as a quaternion. */
@@ -260,7 +136,7 @@ static json_t *rotation_to(const double d[3])
 }
 
 /* Point, spot and directional; glTF knows no others. */
-static igi_status add_light(glb *g, const igi_light *l)
+static igi_status add_light(igi_glb *g, const igi_light *l)
 {
     static const double degree = 3.14159265358979323846 / 180;
     bool spot = l->type == IGI_LIGHT_SPOT, directional = l->type == IGI_LIGHT_DIRECTIONAL;
@@ -271,9 +147,9 @@ static igi_status add_light(glb *g, const igi_light *l)
     json_t *o = json_pack("{s:s, s:o, s:f}", "type", igi_light_type_name(l->type), "color",
                           colour(l->value, bands, 1 / most), "intensity", most);
     if (spot)
-        json_object_set_new(o, "spot", json_pack("{s:f, s:f}", "innerConeAngle",
-                                                 l->beam_deg * degree, "outerConeAngle",
-                                                 l->cutoff_deg * degree));
+        json_object_set_new(o, "spot",
+                            json_pack("{s:f, s:f}", "innerConeAngle", l->beam_deg * degree,
+                                      "outerConeAngle", l->cutoff_deg * degree));
     json_t *node = json_pack("{s:{s:{s:i}}}", "extensions", "KHR_lights_punctual", "light",
                              (int)json_array_size(g->lights));
     if (!directional)
@@ -281,7 +157,7 @@ static igi_status add_light(glb *g, const igi_light *l)
                             json_pack("[f,f,f]", l->position[0], l->position[1], l->position[2]));
     if (spot || directional) json_object_set_new(node, "rotation", rotation_to(l->direction));
     int bad = json_array_append_new(g->lights, o) | add_child(g, node);
-    return bad ? full(g) : IGI_OK;
+    return bad ? igi_glb_full(g) : IGI_OK;
 }
 
 static void set_if_any(json_t *root, const char *key, json_t *array)
@@ -289,20 +165,22 @@ static void set_if_any(json_t *root, const char *key, json_t *array)
     if (json_array_size(array) > 0) json_object_set(root, key, array);
 }
 
-static json_t *make_root(const glb *g)
+static json_t *make_root(const igi_glb *g)
 {
     json_t *root = json_object();
-    json_object_set_new(root, "asset", json_pack("{s:s, s:s}", "version", "2.0", "generator", "igi"));
+    json_object_set_new(root, "asset",
+                        json_pack("{s:s, s:s}", "version", "2.0", "generator", "igi"));
     json_t *used = json_pack("[s, s]", "KHR_materials_specular", "KHR_materials_emissive_strength");
     if (json_array_size(g->lights) > 0) {
         json_array_append_new(used, json_string("KHR_lights_punctual"));
-        json_object_set_new(root, "extensions", json_pack("{s:{s:O}}", "KHR_lights_punctual",
-                                                          "lights", g->lights));
+        json_object_set_new(root, "extensions",
+                            json_pack("{s:{s:O}}", "KHR_lights_punctual", "lights", g->lights));
     }
     json_object_set_new(root, "extensionsUsed", used);
     json_object_set_new(root, "scene", json_integer(0));
-    json_object_set_new(root, "scenes", json_pack("[{s:s?, s:[i]}]", "name", g->materials->scene,
-                                                  "nodes", (int)json_array_size(g->nodes) - 1));
+    json_object_set_new(root, "scenes",
+                        json_pack("[{s:s?, s:[i]}]", "name", g->materials->scene, "nodes",
+                                  (int)json_array_size(g->nodes) - 1));
     json_object_set(root, "nodes", g->nodes);
     set_if_any(root, "meshes", g->meshes);
     set_if_any(root, "materials", g->material_list);
@@ -322,12 +200,12 @@ static void put_u32(uint8_t *to, size_t x)
 }
 
 /* The header, the JSON chunk padded with blanks, the binary chunk. */
-static igi_status write_file(const glb *g, const char *path)
+static igi_status write_file(const igi_glb *g, const char *path)
 {
     json_t *root = make_root(g);
     char *json = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(9));
     json_decref(root);
-    if (!json) return full(g);
+    if (!json) return igi_glb_full(g);
     size_t length = strlen(json), padding = (4 - length % 4) % 4;
     size_t total = 12 + 8 + length + padding + (g->size ? 8 + g->size : 0);
     uint8_t head[20], binary[8];
@@ -348,11 +226,12 @@ static igi_status write_file(const glb *g, const char *path)
     json_get_alloc_funcs(NULL, &release);
     release(json);
     if (good) return IGI_OK;
-    return igi_fail(g->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
-                    path, total > UINT32_MAX ? "above 4 GB" : strerror(errno));
+    return igi_fail(g->ctx, IGI_E_SYSTEM,
+                    "%s: cannot be written (%s); check the folder and the disk", path,
+                    total > UINT32_MAX ? "above 4 GB" : strerror(errno));
 }
 
-static igi_status fill(glb *g)
+static igi_status fill(igi_glb *g)
 {
     for (size_t i = 0; i < g->materials->count; i++) IGI_TRY(add_region(g, i));
     for (size_t i = 0; i < g->materials->light_count; i++)
@@ -360,13 +239,13 @@ static igi_status fill(glb *g)
     json_t *root = json_pack("{s:s, s:[f,f,f,f]}", "name", "Z up", "rotation", -sqrt(.5), 0.0, 0.0,
                              sqrt(.5));
     set_if_any(root, "children", g->children);
-    return json_array_append_new(g->nodes, root) ? full(g) : IGI_OK;
+    return json_array_append_new(g->nodes, root) ? igi_glb_full(g) : IGI_OK;
 }
 
 igi_status igi_materials_save_glb(igi_context *ctx, const igi_materials *materials,
                                   const igi_scene *scene, const char *path)
 {
-    glb g = {.ctx = ctx, .materials = materials, .scene = scene, .positions = -1};
+    igi_glb g = {.ctx = ctx, .materials = materials, .scene = scene, .positions = -1};
     json_t **arrays[] = {&g.views,    &g.accessors, &g.meshes, &g.nodes,   &g.material_list,
                          &g.textures, &g.images,    &g.lights, &g.children};
     if (materials->count != scene->region_count)

@@ -40,8 +40,8 @@ static igi_status read_number(const reader *r, const char *owner, const json_t *
 }
 
 /* `count` numbers, or one for all. Absent or null leaves x and *present is false. */
-static igi_status read_numbers(const reader *r, const char *owner, const json_t *o,
-                               const char *key, int count, double *x, bool *present)
+static igi_status read_numbers(const reader *r, const char *owner, const json_t *o, const char *key,
+                               int count, double *x, bool *present)
 {
     const json_t *v = json_object_get(o, key);
     if (present) *present = v && !json_is_null(v);
@@ -62,8 +62,7 @@ static igi_status read_numbers(const reader *r, const char *owner, const json_t 
     return IGI_OK;
 }
 
-static igi_status read_sentences(const reader *r, const json_t *array, char ***texts,
-                                 size_t *count)
+static igi_status read_sentences(const reader *r, const json_t *array, char ***texts, size_t *count)
 {
     size_t n = json_array_size(array); /* 0 when it is none */
     if (n == 0) return IGI_OK;
@@ -262,8 +261,7 @@ igi_status igi_materials_load(igi_context *ctx, const char *folder, igi_material
     *materials = NULL;
     IGI_TRY_GOTO(find_file(ctx, folder, &path));
     root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
-    if (!root)
-        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "%s:%d: %s", path, error.line, error.text));
+    if (!root) IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "%s:%d: %s", path, error.line, error.text));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, materials));
     reader r = {.ctx = ctx, .path = path, .folder = folder, .materials = *materials};
     IGI_TRY_GOTO(read_root(&r, root));

@@ -141,9 +141,9 @@ static igi_status region_json(igi_context *ctx, const igi_material *m, int bands
                                m->map ? json_sprintf("albedo/%s.exr", name) : json_null());
     bad |= json_object_set_new(o, "specular", number(glossy ? m->specular : 0));
     bad |= json_object_set_new(o, "specular_std", number(glossy ? m->specular_std : 0));
-    bad |= json_object_set_new(o, "specular_rgb", glossy && m->specular_is_rgb
-                                                      ? numbers(m->specular_rgb, bands)
-                                                      : json_null());
+    bad |= json_object_set_new(o, "specular_rgb",
+                               glossy && m->specular_is_rgb ? numbers(m->specular_rgb, bands)
+                                                            : json_null());
     bad |= json_object_set_new(o, "alpha", glossy ? number(m->alpha) : json_null());
     bad |= json_object_set_new(o, "alpha_std", glossy ? number(m->alpha_std) : json_null());
     bad |= json_object_set_new(o, "observed", number(m->observed));
@@ -230,13 +230,12 @@ static json_t *light_json(const igi_light *l, const double *std, int bands, cons
     int bad = json_object_set_new(o, "type", json_string(igi_light_type_name(l->type)));
     bad |= put_place(o, l, scene);
     if (l->known || any_nonzero(l->value, bands))
-        bad |= json_object_set_new(o, key, scale && all_equal(l->value, bands)
-                                               ? number(l->value[0])
-                                               : numbers(l->value, bands));
+        bad |= json_object_set_new(o, key,
+                                   scale && all_equal(l->value, bands) ? number(l->value[0])
+                                                                       : numbers(l->value, bands));
     if (std && any_nonzero(std, bands))
-        bad |= json_object_set_new(o, std_key, scale && all_equal(l->value, bands)
-                                                   ? number(std[0])
-                                                   : numbers(std, bands));
+        bad |= json_object_set_new(
+            o, std_key, scale && all_equal(l->value, bands) ? number(std[0]) : numbers(std, bands));
     if (!bad) return o;
     json_decref(o);
     return NULL;
@@ -256,14 +255,16 @@ igi_status igi_materials_save(igi_context *ctx, const igi_materials *materials,
         bad |= json_array_append_new(lights, light_json(&materials->lights[i], std, bands, scene));
     }
     bad |= json_object_set_new(root, "igi", json_integer(1));
-    bad |= json_object_set_new(root, "scene", json_string(materials->scene ? materials->scene : ""));
+    bad |= json_object_set_new(root, "scene",
+                               json_string(materials->scene ? materials->scene : ""));
     bad |= json_object_set(root, "regions", regions);
     bad |= json_object_set(root, "lights", lights);
     bad |= json_object_set_new(root, "warnings",
                                sentences(materials->warnings, materials->warning_count));
     if (bad)
-        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "materials.json: a name of the scene or of a light "
-                                               "is not UTF-8; rename it"));
+        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA,
+                              "materials.json: a name of the scene or of a light "
+                              "is not UTF-8; rename it"));
     IGI_TRY_GOTO(save_maps(ctx, materials, folder));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/materials.json", folder));
     IGI_TRY_GOTO(save_json(ctx, root, path));

@@ -68,7 +68,8 @@ static igi_status folder_json(igi_context *ctx, const char *folder, json_t *arra
     for (int i = 0; i < count; i++) {
         char *path = NULL;
         struct stat info;
-        if (status == IGI_OK) status = igi_strprintf(ctx, &path, "%s/%s", folder, entries[i]->d_name);
+        if (status == IGI_OK)
+            status = igi_strprintf(ctx, &path, "%s/%s", folder, entries[i]->d_name);
         if (status == IGI_OK && stat(path, &info) == 0 && S_ISREG(info.st_mode))
             status = input_json(ctx, path, array);
         igi_free(path);
@@ -95,11 +96,11 @@ static int stages_json(const igi_context *ctx, json_t *array)
     size_t count = igi_context_stages(ctx, &stages);
     int bad = 0;
     for (size_t i = 0; i < count; i++)
-        bad |= json_array_append_new(
-            array, json_pack("{s:s, s:f, s:f, s:I, s:I}", "name", stages[i].name, "cpu_s",
-                             stages[i].cpu_s, "wall_s", stages[i].wall_s, "rays",
-                             (json_int_t)stages[i].rays, "peak_bytes",
-                             (json_int_t)stages[i].peak_bytes));
+        bad |= json_array_append_new(array,
+                                     json_pack("{s:s, s:f, s:f, s:I, s:I}", "name", stages[i].name,
+                                               "cpu_s", stages[i].cpu_s, "wall_s", stages[i].wall_s,
+                                               "rays", (json_int_t)stages[i].rays, "peak_bytes",
+                                               (json_int_t)stages[i].peak_bytes));
     return bad;
 }
 
@@ -138,8 +139,8 @@ igi_status igi_manifest_save(igi_context *ctx, const igi_manifest *m, const char
         IGI_TRY_GOTO(igi_fail(ctx, IGI_E_USAGE, "manifest.json: the command line is not UTF-8"));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/manifest.json", folder));
     if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)))
-        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path,
-                              strerror(errno)));
+        IGI_TRY_GOTO(
+            igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno)));
 cleanup:
     json_decref(root);
     json_decref(inputs);

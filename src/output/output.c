@@ -111,8 +111,7 @@ static igi_status make_sibling(igi_output *o)
     for (int n = 0; n < 100; n++) {
         igi_free(o->folder);
         IGI_TRY(igi_strprintf(o->ctx, &o->folder, "%s.part-%ld-%d", o->path, (long)getpid(), n));
-        if (mkdir(o->folder, 0777) == 0)
-            return igi_strprintf(o->ctx, &o->old, "%s.old", o->folder);
+        if (mkdir(o->folder, 0777) == 0) return igi_strprintf(o->ctx, &o->old, "%s.old", o->folder);
         if (errno != EEXIST) break;
     }
     igi_status status = system_error(o->ctx, o->path, "cannot be written");

@@ -19,8 +19,8 @@
 /* Few and small: what the page costs must stay far below what the recovery costs. Differences are
  * half as wide, which also averages the photographs' noise. */
 enum { MOST_VIEWS = 4, WIDEST = 256 };
-#define LIMIT 0.1f      /* the ramp of differences ends there: a tenth of the photograph */
-#define MIDDLE 0.25f    /* what the median of the photographs becomes, linear */
+#define LIMIT 0.1f   /* the ramp of differences ends there: a tenth of the photograph */
+#define MIDDLE 0.25f /* what the median of the photographs becomes, linear */
 
 typedef struct writer {
     igi_context *ctx;
@@ -74,8 +74,7 @@ static igi_status save_png(const writer *w, const uint8_t *pixels, const igi_ima
     size_t size = 0;
     FILE *file = NULL;
     IGI_TRY_GOTO(igi_strprintf(w->ctx, &path, "%s/comparison/%s.%s.png", w->folder, name, kind));
-    IGI_TRY_GOTO(
-        igi_image_encode_png(w->ctx, pixels, like->width, like->height, 3, &bytes, &size));
+    IGI_TRY_GOTO(igi_image_encode_png(w->ctx, pixels, like->width, like->height, 3, &bytes, &size));
     file = fopen(path, "wb");
     bool written = file && fwrite(bytes, 1, size, file) == size;
     if (file && fclose(file) != 0) written = false;
@@ -184,8 +183,7 @@ static igi_status save_view(writer *w, const igi_comparison *view, const igi_ima
     double median = 0;
     IGI_TRY_GOTO(igi_region_file_name(w->ctx, view->frame, &name));
     IGI_TRY_GOTO(igi_image_reduce(w->ctx, view->prediction, WIDEST, &prediction));
-    IGI_TRY_GOTO(
-        IGI_ALLOC(w->ctx, 3 * (size_t)photo->width * (size_t)photo->height, &pixels));
+    IGI_TRY_GOTO(IGI_ALLOC(w->ctx, 3 * (size_t)photo->width * (size_t)photo->height, &pixels));
     tone_map(w, photo, false, pixels);
     IGI_TRY_GOTO(save_png(w, pixels, photo, name, "photo"));
     tone_map(w, prediction, true, pixels);
@@ -227,15 +225,13 @@ igi_status igi_comparisons_save(igi_context *ctx, const igi_recovery *recovery, 
     igi_srgb_make(&w.srgb);
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/comparison", folder));
     if (mkdir(path, 0777) && errno != EEXIST)
-        IGI_TRY_GOTO(
-            igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be made (%s)", path, strerror(errno)));
+        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be made (%s)", path, strerror(errno)));
     for (int i = 0; i < count; i++) {
         chosen[i] = &recovery->comparisons[(size_t)i * total / (size_t)count];
         IGI_TRY_GOTO(igi_image_reduce(ctx, chosen[i]->photo, WIDEST, &photos[i]));
     }
     IGI_TRY_GOTO(find_exposure(&w, photos, count));
-    for (int i = 0; i < count; i++)
-        IGI_TRY_GOTO(save_view(&w, chosen[i], photos[i]));
+    for (int i = 0; i < count; i++) IGI_TRY_GOTO(save_view(&w, chosen[i], photos[i]));
     IGI_TRY_GOTO(save_index(&w));
 cleanup:
     for (int i = 0; i < count; i++) igi_image_destroy(photos[i]);

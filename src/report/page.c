@@ -102,8 +102,10 @@ static void print_tiles(const igi_page *page)
     const json_t *stages = json_object_get(page->manifest, "stages");
     size_t determined, surfaces;
     double share = typical_share(page, &determined, &surfaces), cpu = 0, rays = 0, memory = 0;
-    fprintf(f, "<dl class=\"tiles\"><div><dt>regions determined</dt><dd>%zu of %zu</dd></div>"
-               "<div><dt>typical 1&thinsp;&sigma; of albedo</dt><dd>", determined, surfaces);
+    fprintf(f,
+            "<dl class=\"tiles\"><div><dt>regions determined</dt><dd>%zu of %zu</dd></div>"
+            "<div><dt>typical 1&thinsp;&sigma; of albedo</dt><dd>",
+            determined, surfaces);
     igi_page_percent(page, share);
     fputs("</dd></div>", f);
     for (size_t i = 0; i < json_array_size(stages); i++) {
@@ -113,8 +115,9 @@ static void print_tiles(const igi_page *page)
         memory = fmax(memory, json_number_value(json_object_get(s, "peak_bytes")));
     }
     if (json_array_size(stages) > 0)
-        fprintf(f, "<div><dt>CPU time</dt><dd>%.2f s</dd></div><div><dt>rays</dt><dd>%.1f million</dd>"
-                   "</div><div><dt>peak memory</dt><dd>%.0f MB</dd></div>",
+        fprintf(f,
+                "<div><dt>CPU time</dt><dd>%.2f s</dd></div><div><dt>rays</dt><dd>%.1f million</dd>"
+                "</div><div><dt>peak memory</dt><dd>%.0f MB</dd></div>",
                 cpu, rays * 1e-6, memory * 1e-6);
     fputs("</dl>\n", f);
 }
@@ -123,17 +126,22 @@ static void print_head(const igi_page *page)
 {
     FILE *f = page->file;
     const char *name = page->materials->scene[0] ? page->materials->scene : "a scene";
-    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta "
+          "name=\"viewport\" "
           "content=\"width=device-width,initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
-          "<title>", f);
+          "<title>",
+          f);
     igi_page_text(page, name);
     fputs(" &middot; igi</title>\n<style>\n", f);
     for (const char *const *line = igi_page_style; *line; line++) fprintf(f, "%s\n", *line);
     fputs("</style></head><body><main>\n<header><p class=\"kicker\">igi &middot; inverse global "
-          "illumination</p><h1>", f);
+          "illumination</p><h1>",
+          f);
     igi_page_text(page, name);
-    fputs("</h1><p class=\"lead\">What its surfaces are made of, recovered from photographs, and how "
-          "far they can be trusted.</p></header>\n", f);
+    fputs(
+        "</h1><p class=\"lead\">What its surfaces are made of, recovered from photographs, and how "
+        "far they can be trusted.</p></header>\n",
+        f);
     print_tiles(page);
     if (page->materials->warning_count == 0) return;
     fputs("<div class=\"warnings\"><b>Warnings</b><ul>", f);
@@ -147,28 +155,32 @@ static void print_head(const igi_page *page)
 
 static void print_meaning(const igi_page *page)
 {
-    fputs("<section><h2>What the error bars mean</h2><p>An albedo is the light that leaves a surface "
-          "over the light that arrives, &rho; = &pi;&thinsp;L / E. One standard deviation "
-          "(1&thinsp;&sigma;) holds the photographs' noise, the sampling of the arriving light, and "
-          "the doubt about lights and surfaces that had to be solved for. If these were all the "
-          "errors there are, two of three true values would lie within it, and nineteen of twenty "
-          "within twice it.</p><p>It does not hold what the model cannot know: wrong geometry or "
-          "cameras, a lamp missing from the list, a camera whose response was not undone. An error "
-          "of scale common to all photographs and lights moves albedos by about (1 &minus; &rho;) "
-          "of itself.</p></section>\n", page->file);
+    fputs(
+        "<section><h2>What the error bars mean</h2><p>An albedo is the light that leaves a surface "
+        "over the light that arrives, &rho; = &pi;&thinsp;L / E. One standard deviation "
+        "(1&thinsp;&sigma;) holds the photographs' noise, the sampling of the arriving light, and "
+        "the doubt about lights and surfaces that had to be solved for. If these were all the "
+        "errors there are, two of three true values would lie within it, and nineteen of twenty "
+        "within twice it.</p><p>It does not hold what the model cannot know: wrong geometry or "
+        "cameras, a lamp missing from the list, a camera whose response was not undone. An error "
+        "of scale common to all photographs and lights moves albedos by about (1 &minus; &rho;) "
+        "of itself.</p></section>\n",
+        page->file);
 }
 
 static igi_status print_page(const igi_page *page)
 {
     print_head(page);
     igi_page_table(page);
+    igi_page_lights(page);
     IGI_TRY(igi_page_maps(page));
     IGI_TRY(igi_page_views(page));
     print_meaning(page);
     igi_page_costs(page);
     igi_page_provenance(page);
     fputs("</main>\n<script>\n", page->file);
-    for (const char *const *line = igi_page_script; *line; line++) fprintf(page->file, "%s\n", *line);
+    for (const char *const *line = igi_page_script; *line; line++)
+        fprintf(page->file, "%s\n", *line);
     fputs("</script></body></html>\n", page->file);
     return IGI_OK;
 }
@@ -198,8 +210,10 @@ static igi_status write_page(igi_page *page, const char *path)
     if (page->file && fclose(page->file) != 0) written = false;
     page->file = NULL;
     if (!written || rename(beside, path))
-        IGI_TRY_GOTO(igi_fail(page->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder "
-                              "and the disk", path, strerror(errno)));
+        IGI_TRY_GOTO(igi_fail(page->ctx, IGI_E_SYSTEM,
+                              "%s: cannot be written (%s); check the folder "
+                              "and the disk",
+                              path, strerror(errno)));
 cleanup:
     if (page->file) fclose(page->file);
     if (status != IGI_OK && beside) unlink(beside);

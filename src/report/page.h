@@ -42,6 +42,7 @@ double igi_material_share(const igi_material *material, int bands);
 void igi_page_table(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_views(const igi_page *page);
+void igi_page_lights(const igi_page *page);
 void igi_page_costs(const igi_page *page);
 void igi_page_provenance(const igi_page *page);
 

@@ -29,7 +29,8 @@ void igi_page_costs(const igi_page *page)
     fputs("<section><h2>Cost</h2><p class=\"soft\">CPU seconds are those of all threads together; "
           "memory is the peak of the process up to the end of the stage.</p><div class=\"card "
           "scroll\"><table><thead><tr><th class=\"l\">stage</th><th></th><th>CPU s</th><th>wall "
-          "s</th><th>rays, millions</th><th>memory, MB</th></tr></thead><tbody>\n", f);
+          "s</th><th>rays, millions</th><th>memory, MB</th></tr></thead><tbody>\n",
+          f);
     for (size_t i = 0; i < count; i++) {
         const json_t *s = json_array_get(stages, i);
         double cpu = number(s, "cpu_s"), wall = number(s, "wall_s"), rays = number(s, "rays");
@@ -38,13 +39,15 @@ void igi_page_costs(const igi_page *page)
         total[2] += rays;
         fputs("<tr><td class=\"l\">", f);
         igi_page_text(page, text(s, "name"));
-        fprintf(f, "</td><td class=\"l\" style=\"width:35%%\"><span class=\"cost\" "
-                   "style=\"width:%.1f%%\"></span></td><td>%.3f</td><td>%.3f</td><td>%.2f</td>"
-                   "<td>%.0f</td></tr>\n",
+        fprintf(f,
+                "</td><td class=\"l\" style=\"width:35%%\"><span class=\"cost\" "
+                "style=\"width:%.1f%%\"></span></td><td>%.3f</td><td>%.3f</td><td>%.2f</td>"
+                "<td>%.0f</td></tr>\n",
                 100 * cpu / longest, cpu, wall, rays * 1e-6, number(s, "peak_bytes") * 1e-6);
     }
-    fprintf(f, "<tr><td class=\"l\"><b>all</b></td><td></td><td><b>%.3f</b></td><td><b>%.3f</b></td>"
-               "<td><b>%.2f</b></td><td></td></tr></tbody></table></div></section>\n",
+    fprintf(f,
+            "<tr><td class=\"l\"><b>all</b></td><td></td><td><b>%.3f</b></td><td><b>%.3f</b></td>"
+            "<td><b>%.2f</b></td><td></td></tr></tbody></table></div></section>\n",
             total[0], total[1], total[2] * 1e-6);
 }
 
@@ -52,8 +55,7 @@ static void print_options(const igi_page *page)
 {
     json_t *options = json_object_get(page->manifest, "options");
     const char *comma = "";
-    for (void *it = json_object_iter(options); it;
-         it = json_object_iter_next(options, it)) {
+    for (void *it = json_object_iter(options); it; it = json_object_iter_next(options, it)) {
         const char *value = json_string_value(json_object_iter_value(it));
         fputs(comma, page->file);
         igi_page_text(page, json_object_iter_key(it));
@@ -68,9 +70,12 @@ static void print_inputs(const igi_page *page)
     FILE *f = page->file;
     const json_t *inputs = json_object_get(page->manifest, "inputs");
     size_t count = json_array_size(inputs);
-    fprintf(f, "<details><summary>%zu input files with their hashes (XXH64)</summary><div class=\"card "
-               "scroll\"><table><thead><tr><th class=\"l\">file</th><th>bytes</th><th>xxh64</th></tr>"
-               "</thead><tbody>\n", count);
+    fprintf(
+        f,
+        "<details><summary>%zu input files with their hashes (XXH64)</summary><div class=\"card "
+        "scroll\"><table><thead><tr><th class=\"l\">file</th><th>bytes</th><th>xxh64</th></tr>"
+        "</thead><tbody>\n",
+        count);
     for (size_t i = 0; i < count; i++) {
         const json_t *input = json_array_get(inputs, i);
         fputs("<tr><td class=\"l\">", f);

@@ -8,7 +8,8 @@ const char *const igi_page_style[] = {
     ":root{--bg:#fbfaf8;--card:#fff;--ink:#1d1f23;--soft:#62666f;--line:#e4e1db;--accent:#2f6fa7;",
     "--warn:#9a5b00;--warnbg:#fdf4e3;--bar:#cfdcea;color-scheme:light dark}",
     "@media(prefers-color-scheme:dark){:root{--bg:#15171b;--card:#1d2026;--ink:#e8e6e1;",
-    "--soft:#9ba0aa;--line:#30343c;--accent:#7db4e6;--warn:#f0b860;--warnbg:#2d2618;--bar:#2c4258}}",
+    "--soft:#9ba0aa;--line:#30343c;--accent:#7db4e6;--warn:#f0b860;--warnbg:#2d2618;--bar:#2c4258}"
+    "}",
     "*{box-sizing:border-box}",
     "body{margin:0;background:var(--bg);color:var(--ink);",
     "font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',sans-serif}",
@@ -42,14 +43,17 @@ const char *const igi_page_style[] = {
     "tr.unknown td{color:var(--soft)}",
     ".swatch{display:inline-block;width:1.9rem;height:1.35rem;border-radius:5px;",
     "vertical-align:middle;box-shadow:inset 0 0 0 1px rgba(128,128,128,.35)}",
-    ".meter{display:inline-block;width:4.2rem;height:.5rem;border-radius:3px;background:var(--line);",
+    ".meter{display:inline-block;width:4.2rem;height:.5rem;border-radius:3px;background:var(--line)"
+    ";",
     "margin-right:.5rem;overflow:hidden;vertical-align:middle}",
+    ".share{display:inline-block;min-width:3.1rem}",
     ".meter i{display:block;height:100%;background:var(--accent)}",
     ".warnings{background:var(--warnbg);border-radius:10px;padding:.8rem 1.1rem;margin:1.4rem 0 0}",
     ".warnings ul{margin:.2rem 0 0;padding-left:1.1rem}",
     ".warnings b{color:var(--warn)}",
     ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(20rem,1fr));gap:1rem}",
     ".pair{display:grid;grid-template-columns:1fr 1fr;gap:.8rem}",
+    "sup{line-height:0;font-size:.72em}",
     "figure{margin:0}",
     "figure img{width:100%;height:auto;display:block;border-radius:6px}",
     ".pair img{image-rendering:pixelated}",
@@ -98,7 +102,8 @@ const char *const igi_page_script[] = {
     "const up=th.getAttribute('aria-sort')!=='ascending';",
     "for(const other of row.children)other.removeAttribute('aria-sort');",
     "th.setAttribute('aria-sort',up?'ascending':'descending');",
-    "const key=r=>{const c=r.children[at];return c.dataset.v===undefined?c.textContent:+c.dataset.v};",
+    "const key=r=>{const c=r.children[at];return "
+    "c.dataset.v===undefined?c.textContent:+c.dataset.v};",
     "const compare=(a,b)=>typeof a==='number'?a-b:a.localeCompare(b);",
     "body.append(...[...body.rows].sort((a,b)=>(up?1:-1)*compare(key(a),key(b))))});",
     NULL};

@@ -24,11 +24,14 @@ static igi_status print_view(const igi_page *page, const json_t *view)
     const json_t *median = json_object_get(view, "median_difference");
     if (!frame || !file) return IGI_OK;
     fputs("<div class=\"card view\"><figure><div class=\"wipe\"><span class=\"a\">photograph</span>"
-          "<span class=\"b\">prediction</span>", f);
+          "<span class=\"b\">prediction</span>",
+          f);
     IGI_TRY(print_image(page, file, "photo", "photograph"));
     IGI_TRY(print_image(page, file, "prediction", "prediction"));
-    fputs("</div><input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"photograph or "
-          "prediction\"><figcaption>", f);
+    fputs(
+        "</div><input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"photograph or "
+        "prediction\"><figcaption>",
+        f);
     igi_page_text(page, frame);
     fputs("</figcaption></figure><figure>", f);
     IGI_TRY(print_image(page, file, "difference", "difference"));
@@ -43,16 +46,18 @@ igi_status igi_page_views(const igi_page *page)
     const json_t *views = json_object_get(page->comparisons, "views");
     if (json_array_size(views) == 0) return IGI_OK;
     double limit = 100 * json_number_value(json_object_get(page->comparisons, "limit"));
-    fprintf(page->file,
-            "<section><h2>Photograph against prediction</h2><p class=\"soft\">Left of the line the "
-            "photograph, right of it what the recovered materials send to the camera under the "
-            "recovered light. A small difference alone proves nothing: wrong albedos can predict "
-            "right pictures of the same light.</p><div style=\"max-width:26rem\"><div class=\"ramp\" "
-            "style=\"background:linear-gradient(90deg,#2166ac,#4393c3,#92c5de,#d1e5f0,#f7f7f7,"
-            "#fddbc7,#f4a582,#d6604d,#b2182b)\"></div><div class=\"ends\"><span>&minus;%g&nbsp;%%: "
-            "predicted too dark</span><span>0</span><span>too bright: +%g&nbsp;%%</span></div>"
-            "<p class=\"soft\">Grey: not predicted (lamps, and what no photograph determines).</p>"
-            "</div>\n", limit, limit);
+    fprintf(
+        page->file,
+        "<section><h2>Photograph against prediction</h2><p class=\"soft\">Left of the line the "
+        "photograph, right of it what the recovered materials send to the camera under the "
+        "recovered light. A small difference alone proves nothing: wrong albedos can predict "
+        "right pictures of the same light.</p><div style=\"max-width:26rem\"><div class=\"ramp\" "
+        "style=\"background:linear-gradient(90deg,#2166ac,#4393c3,#92c5de,#d1e5f0,#f7f7f7,"
+        "#fddbc7,#f4a582,#d6604d,#b2182b)\"></div><div class=\"ends\"><span>&minus;%g&nbsp;%%: "
+        "predicted too dark</span><span>0</span><span>too bright: +%g&nbsp;%%</span></div>"
+        "<p class=\"soft\">Grey: not predicted (lamps, and what no photograph determines).</p>"
+        "</div>\n",
+        limit, limit);
     for (size_t i = 0; i < json_array_size(views); i++)
         IGI_TRY(print_view(page, json_array_get(views, i)));
     fputs("</section>\n", page->file);

@@ -27,8 +27,8 @@ static void weigh_area(axis *a, int i, double low, double high, int from)
     a->count[i] = last - first + 1;
     for (int k = first; k <= last; k++) {
         double covered = fmin(high, k + 1) - fmax(low, k);
-        a->weights[(size_t)i * (size_t)a->most + (size_t)(k - first)] =
-            (float)(covered / (high - low));
+        a->weights[(size_t)i * (size_t)a->most + (size_t)(k - first)] = (float)(covered /
+                                                                                (high - low));
     }
 }
 

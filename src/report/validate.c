@@ -12,8 +12,8 @@
 #include <string.h>
 
 #define FLOOR 0.02
-#define LEAST_SEEN 0.2       /* of a region's area, to be judged */
-#define DETERMINED 0.5f      /* a map's A, to be judged */
+#define LEAST_SEEN 0.2  /* of a region's area, to be judged */
+#define DETERMINED 0.5f /* a map's A, to be judged */
 
 static double relative(double got, double want)
 {
@@ -81,8 +81,8 @@ static igi_status compare_maps(igi_context *ctx, const igi_material *got, const 
     igi_image *resampled = NULL;
     if (map->width != target->width || map->height != target->height)
         IGI_TRY(igi_image_resample(ctx, map, target->width, target->height, &resampled));
-    igi_status status =
-        compare_texels(ctx, resampled ? resampled : map, target, bands, error, means);
+    igi_status status = compare_texels(ctx, resampled ? resampled : map, target, bands, error,
+                                       means);
     igi_image_destroy(resampled);
     return status;
 }
@@ -121,16 +121,21 @@ static const igi_material *find(const igi_materials *materials, const char *regi
     return NULL;
 }
 
-static igi_status compare_all(igi_context *ctx, const igi_materials *got,
-                              const igi_materials *want, igi_validation *v)
+static igi_status compare_all(igi_context *ctx, const igi_materials *got, const igi_materials *want,
+                              igi_validation *v)
 {
     for (size_t i = 0; i < want->count; i++) {
         const igi_material *w = &want->materials[i], *g = find(got, w->region);
         igi_region_error *error = &v->regions[v->region_count++];
         const double none = (double)NAN;
-        *error = (igi_region_error){.albedo = none, .texture_median = none, .texture_mean = none,
-                                    .texture_seen = none, .specular = none, .alpha = none,
-                                    .sigmas = none, .want = w->model};
+        *error = (igi_region_error){.albedo = none,
+                                    .texture_median = none,
+                                    .texture_mean = none,
+                                    .texture_seen = none,
+                                    .specular = none,
+                                    .alpha = none,
+                                    .sigmas = none,
+                                    .want = w->model};
         IGI_TRY(igi_strdup(ctx, w->region, &error->region));
         error->judged = !w->emitter && w->observed >= LEAST_SEEN;
         error->missing = error->judged && !g;
@@ -190,9 +195,10 @@ igi_status igi_validate(igi_context *ctx, const char *folder, const char *truth_
     IGI_TRY_GOTO(igi_materials_load(ctx, folder, &got));
     IGI_TRY_GOTO(igi_materials_load(ctx, truth_folder, &want));
     if (got->bands != want->bands)
-        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "%s: has %d bands, the truth in %s has %d; compare "
-                              "results of the same scene", folder, got->bands, truth_folder,
-                              want->bands));
+        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA,
+                              "%s: has %d bands, the truth in %s has %d; compare "
+                              "results of the same scene",
+                              folder, got->bands, truth_folder, want->bands));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &v));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, want->count, &v->regions));
     IGI_TRY_GOTO(compare_all(ctx, got, want, v));

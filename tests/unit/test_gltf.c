@@ -20,18 +20,31 @@ static float uvs[] = {0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1, 0, 0, 0, 0, 0, 0};
 static igi_status save(igi_context *ctx, const char *path, igi_image *map)
 {
     char square[] = "square \"1\"", lamp[] = "lamp", name[] = "glb";
-    igi_region parts[] = {{square, false, IGI_YES, true, false}, {lamp, true, IGI_AUTO, false, false}};
-    igi_scene scene = {.name = name, .bands = 3, .region_count = 2, .regions = parts,
+    igi_region parts[] = {{square, false, IGI_YES, true, false},
+                          {lamp, true, IGI_AUTO, false, false}};
+    igi_scene scene = {.name = name,
+                       .bands = 3,
+                       .region_count = 2,
+                       .regions = parts,
                        .mesh = {5, 3, positions, triangles, regions, uvs}};
-    igi_material of[] = {{.region = square, .model = IGI_WARD, .albedo = {.5, .4, .3},
-                          .specular = .08, .alpha = .25, .map = map},
+    igi_material of[] = {{.region = square,
+                          .model = IGI_WARD,
+                          .albedo = {.5, .4, .3},
+                          .specular = .08,
+                          .alpha = .25,
+                          .map = map},
                          {.region = lamp, .emitter = true}};
     igi_light lights[] = {{.type = IGI_LIGHT_AREA, .region = 1, .known = true, .value = {10, 5, 2}},
-                          {.type = IGI_LIGHT_SPOT, .region = -1, .position = {1, 2, 3},
-                           .direction = {0, 0, -1}, .cutoff_deg = 40, .beam_deg = 30,
-                           .known = true, .value = {3, 3, 1}}};
-    igi_materials all = {.scene = name, .bands = 3, .count = 2, .materials = of, .light_count = 2,
-                         .lights = lights};
+                          {.type = IGI_LIGHT_SPOT,
+                           .region = -1,
+                           .position = {1, 2, 3},
+                           .direction = {0, 0, -1},
+                           .cutoff_deg = 40,
+                           .beam_deg = 30,
+                           .known = true,
+                           .value = {3, 3, 1}}};
+    igi_materials all = {
+        .scene = name, .bands = 3, .count = 2, .materials = of, .light_count = 2, .lights = lights};
     return igi_materials_save_glb(ctx, &all, &scene, path);
 }
 
@@ -85,7 +98,8 @@ static void check_file(igi_context *ctx, igi_image *map)
     CHECK(lamp && lamp->mNumFaces == 1);
     struct aiColor4D light = {0, 0, 0, 0};
     if (lamp)
-        aiGetMaterialColor(scene->mMaterials[lamp->mMaterialIndex], AI_MATKEY_COLOR_EMISSIVE, &light);
+        aiGetMaterialColor(scene->mMaterials[lamp->mMaterialIndex], AI_MATKEY_COLOR_EMISSIVE,
+                           &light);
     CHECK_NEAR((double)light.g, .5, 1e-6);
     if (scene->mNumLights == 1) {
         CHECK_NEAR((double)scene->mLights[0]->mAngleOuterCone, 40 * 3.14159265 / 180, 1e-5);

@@ -42,11 +42,23 @@ static igi_materials *sample(igi_context *ctx)
     m->bands = 3;
     m->count = 2;
     m->materials = igi_calloc(ctx, 2, sizeof *m->materials);
-    m->materials[0] = (igi_material){.region = copy_of(ctx, "floor"), .determined = true,
-        .albedo = {.1, .2, 1. / 3}, .albedo_std = {1e-3, 2e-3, HUGE_VAL}, .observed = .5, .views = 3};
-    m->materials[1] = (igi_material){.region = copy_of(ctx, "../wall/%é"), .model = IGI_GGX,
-        .determined = true, .albedo = {.7, .6, .5}, .specular = .04, .specular_std = .001,
-        .alpha = .2, .alpha_std = .01, .observed = 1, .views = 7, .textured = true};
+    m->materials[0] = (igi_material){.region = copy_of(ctx, "floor"),
+                                     .determined = true,
+                                     .albedo = {.1, .2, 1. / 3},
+                                     .albedo_std = {1e-3, 2e-3, HUGE_VAL},
+                                     .observed = .5,
+                                     .views = 3};
+    m->materials[1] = (igi_material){.region = copy_of(ctx, "../wall/%é"),
+                                     .model = IGI_GGX,
+                                     .determined = true,
+                                     .albedo = {.7, .6, .5},
+                                     .specular = .04,
+                                     .specular_std = .001,
+                                     .alpha = .2,
+                                     .alpha_std = .01,
+                                     .observed = 1,
+                                     .views = 7,
+                                     .textured = true};
     m->materials[1].warnings = igi_calloc(ctx, 1, sizeof(char *));
     m->materials[1].warnings[0] = copy_of(ctx, "a \"warning\" [1,\n 2]\\");
     m->materials[1].warning_count = 1;
@@ -57,8 +69,13 @@ static igi_materials *sample(igi_context *ctx)
     m->light_count = 1;
     m->lights = igi_calloc(ctx, 1, sizeof *m->lights);
     m->light_std = igi_calloc(ctx, 1, sizeof *m->light_std);
-    m->lights[0] = (igi_light){.type = IGI_LIGHT_SPOT, .region = -1, .position = {1, 2, 3},
-        .direction = {0, 0, -1}, .cutoff_deg = 40, .beam_deg = 30, .value = {5, 6, 7}};
+    m->lights[0] = (igi_light){.type = IGI_LIGHT_SPOT,
+                               .region = -1,
+                               .position = {1, 2, 3},
+                               .direction = {0, 0, -1},
+                               .cutoff_deg = 40,
+                               .beam_deg = 30,
+                               .value = {5, 6, 7}};
     m->light_std[0][1] = .25;
     return m;
 }
@@ -130,7 +147,11 @@ static void names_fit_for_files(void)
     file_name_is(ctx, "a%2Fb", "a%252Fb");
     file_name_is(ctx, "..", "%2E.");
     file_name_is(ctx, "tab\there", "tab%09here");
-    file_name_is(ctx, "d\xc3\xa9" "cor", "d\xc3\xa9" "cor");
+    file_name_is(ctx,
+                 "d\xc3\xa9"
+                 "cor",
+                 "d\xc3\xa9"
+                 "cor");
     char *a = NULL, *b = NULL, region[501] = {0};
     memset(region, '/', 500);
     CHECK_OK(ctx, igi_region_file_name(ctx, region, &a));
@@ -165,7 +186,8 @@ static void bad_input_says_what(void)
                "\"model\" must be lambert, ward, ggx or phong");
     fails_with(ctx, "{\"regions\": {\"a\": {\"albedo\": [1], \"model\": \"ward\"}}}",
                "\"alpha\" must be above 0");
-    fails_with(ctx, "{\"regions\": {\"a\": {\"albedo\": [1], \"texture\": \"none.exr\"}}}", "none.exr");
+    fails_with(ctx, "{\"regions\": {\"a\": {\"albedo\": [1], \"texture\": \"none.exr\"}}}",
+               "none.exr");
     igi_materials *got = NULL;
     CHECK(igi_materials_load(ctx, "/nonexistent", &got) == IGI_E_DATA);
     CHECK_CONTAINS(igi_context_message(ctx), "has neither materials.json nor truth.json");

@@ -36,7 +36,8 @@ static void errors_by_hand(void)
     put("report_got/materials.json",
         "{\"igi\": 1, \"regions\": {"
         "\"a\": {\"albedo\": [0.55, 0.02], \"albedo_std\": [0.1, 0.002], \"model\": \"lambert\"},"
-        "\"b\": {\"albedo\": [0.5, 0.5], \"model\": \"ward\", \"specular\": 0.12, \"alpha\": 0.15}}}");
+        "\"b\": {\"albedo\": [0.5, 0.5], \"model\": \"ward\", \"specular\": 0.12, \"alpha\": "
+        "0.15}}}");
     CHECK_OK(ctx, igi_validate(ctx, "report_got", "report_want", &v));
     if (v) {
         CHECK(v->region_count == 5);
@@ -121,9 +122,13 @@ static igi_recovery *awkward(igi_context *ctx)
     for (int i = 0; i < 4; i++) {
         igi_material *one = &m->materials[i];
         CHECK_OK(ctx, igi_strdup(ctx, names[i], &one->region));
-        *one = (igi_material){.region = one->region, .emitter = i == 2, .determined = i < 2,
-                              .albedo = {.3, .2 * i, .9}, .albedo_std = {.001, i == 3 ? HUGE_VAL : .01},
-                              .observed = i < 2 ? .7 : 0, .views = i};
+        *one = (igi_material){.region = one->region,
+                              .emitter = i == 2,
+                              .determined = i < 2,
+                              .albedo = {.3, .2 * i, .9},
+                              .albedo_std = {.001, i == 3 ? HUGE_VAL : .01},
+                              .observed = i < 2 ? .7 : 0,
+                              .views = i};
         one->model = i == 1 ? IGI_WARD : IGI_LAMBERT;
         one->alpha = i == 1 ? .1 : 0;
     }

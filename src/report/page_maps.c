@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The regions' maps: albedo and its uncertainty.
+ */
+#include "report/page.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { MAP_SIDE = 192 };
+
+/* Diagonal stripes mark texels that no photograph determines. */
+static void paint_albedo(const igi_page *page, const igi_image *map, uint8_t *pixels)
+{
+    int bands = map->channels - 1;
+    for (int y = 0; y < map->height; y++)
+        for (int x = 0; x < map->width; x++) {
+            size_t p = (size_t)y * (size_t)map->width + (size_t)x;
+            const float *texel = map->samples + p * (size_t)map->channels;
+            bool striped = texel[bands] < .5f && ((x + y) / 3) % 2 == 0;
+            for (int c = 0; c < 3; c++) {
+                uint8_t byte = igi_srgb_byte(&page->srgb, texel[igi_band_of(c, bands)]);
+                pixels[3 * p + (size_t)c] = striped ? (uint8_t)((byte + 3 * 128) / 4) : byte;
+            }
+        }
+}
+
+static float mean_of(const float *x, int count)
+{
+    float sum = 0;
+    for (int i = 0; i < count; i++) sum += x[i];
+    return sum / (float)count;
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* A round number that 98 % of the sigmas do not exceed: 1, 2 or 5 times a power of ten. */
+static igi_status find_top(const igi_page *page, const igi_image *sigma, float *top)
+{
+    size_t count = (size_t)sigma->width * (size_t)sigma->height;
+    float *values = NULL;
+    IGI_TRY(IGI_ALLOC(page->ctx, count, &values));
+    for (size_t p = 0; p < count; p++) {
+        float x = mean_of(sigma->samples + p * (size_t)sigma->channels, sigma->channels);
+        values[p] = isfinite(x) ? x : 1;
+    }
+    qsort(values, count, sizeof *values, compare_floats);
+    double most = fmax((double)values[count * 98 / 100], 1e-4);
+    double power = pow(10, floor(log10(most))), digits = most / power;
+    *top = (float)(power * (digits <= 1 ? 1 : digits <= 2 ? 2 : digits <= 5 ? 5 : 10));
+    igi_free(values);
+    return IGI_OK;
+}
+
+static void paint_sigma(const igi_image *sigma, float top, uint8_t *pixels)
+{
+    size_t count = (size_t)sigma->width * (size_t)sigma->height;
+    for (size_t p = 0; p < count; p++) {
+        float x = mean_of(sigma->samples + p * (size_t)sigma->channels, sigma->channels);
+        igi_ramp_colour(igi_ramp_heat, isfinite(x) ? x / top : 1, pixels + 3 * p);
+    }
+}
+
+static igi_status print_pixels(const igi_page *page, const uint8_t *pixels, const igi_image *like,
+                               const char *label)
+{
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    IGI_TRY(igi_image_encode_png(page->ctx, pixels, like->width, like->height, 3, &bytes, &size));
+    igi_page_png(page, bytes, size, label);
+    igi_image_free_bytes(bytes);
+    return IGI_OK;
+}
+
+static igi_status print_sigma(const igi_page *page, const igi_image *map_std, uint8_t *pixels)
+{
+    igi_status status = IGI_OK;
+    igi_image *small = NULL;
+    float top = 1;
+    IGI_TRY_GOTO(igi_image_reduce(page->ctx, map_std, MAP_SIDE, &small));
+    IGI_TRY_GOTO(find_top(page, small, &top));
+    paint_sigma(small, top, pixels);
+    fputs("<figure>", page->file);
+    IGI_TRY_GOTO(print_pixels(page, pixels, small, "uncertainty"));
+    fprintf(page->file,
+            "<div class=\"ramp\" style=\"background:linear-gradient(90deg,#440154,#472c7a,#3b518b,"
+            "#2c718e,#21908d,#27ad81,#5cc863,#aadc32,#fde725)\"></div><div class=\"ends\">"
+            "<span>0</span><span>1&thinsp;&sigma; of &rho;</span><span>%.2g</span></div></figure>",
+            (double)top);
+cleanup:
+    igi_image_destroy(small);
+    return status;
+}
+
+static igi_status print_card(const igi_page *page, const igi_material *m)
+{
+    igi_status status = IGI_OK;
+    igi_image *small = NULL;
+    uint8_t *pixels = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(page->ctx, 3 * (size_t)MAP_SIDE * MAP_SIDE, &pixels));
+    IGI_TRY_GOTO(igi_image_reduce(page->ctx, m->map, MAP_SIDE, &small));
+    paint_albedo(page, small, pixels);
+    fputs("<div class=\"card\"><h3>", page->file);
+    igi_page_text(page, m->region);
+    fputs("</h3><div class=\"pair\"><figure>", page->file);
+    IGI_TRY_GOTO(print_pixels(page, pixels, small, "albedo"));
+    fprintf(page->file,
+            "<figcaption>albedo, %d &times; %d texels; %.0f&nbsp;%% observed in %d "
+            "views</figcaption></figure>",
+            m->map->width, m->map->height, 100 * m->observed, m->views);
+    if (m->map_std) IGI_TRY_GOTO(print_sigma(page, m->map_std, pixels));
+    fputs("</div></div>\n", page->file);
+cleanup:
+    igi_image_destroy(small);
+    igi_free(pixels);
+    return status;
+}
+
+igi_status igi_page_maps(const igi_page *page)
+{
+    bool begun = false;
+    for (size_t i = 0; i < page->materials->count; i++) {
+        const igi_material *m = &page->materials->materials[i];
+        if (!m->map || m->emitter) continue;
+        if (!begun)
+            fputs(
+                "<section><h2>Maps</h2><p class=\"soft\">Albedo over each region's texture square, "
+                "and one standard deviation of it. Striped texels are seen by no photograph: they "
+                "are filled in from their neighbours and their region, and their error bar says "
+                "so.</p><div class=\"grid\">\n",
+                page->file);
+        begun = true;
+        IGI_TRY(print_card(page, m));
+    }
+    if (begun) fputs("</div></section>\n", page->file);
+    return IGI_OK;
+}
