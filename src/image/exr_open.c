@@ -232,7 +232,9 @@ igi_status igi_image_probe_exr(igi_context *ctx, const char *path, int *width, i
     *width = l.display.width;
     *height = l.display.height;
     *channels = *bands = l.channels;
-    for (int i = 0; i < l.channels; i++) *bands -= strcmp(l.names[i], "A") == 0;
+    for (int i = 0; i < l.channels; i++)
+        *bands -= strcmp(l.names[i], "A") == 0 || strcmp(l.names[i], "saturated") == 0 ||
+                  strncmp(l.names[i], "variance.", 9) == 0;
 cleanup:
     if (file) exr_finish(&file);
     if (from.fd >= 0) close(from.fd);

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What a lens and a camera do to radiance, measured and undone: distortion, vignetting, response.
+ */
+#ifndef IGI_LENS_H
+#define IGI_LENS_H
+
+#include <igi/hdr.h>
+#include <igi/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Transmission relative to that at the centre: V = 1 + k[0] r^2 + k[1] r^4 + k[2] r^6, r the
+ * distance from (centre_x, centre_y) in half diagonals of the image. */
+typedef struct igi_vignetting {
+    bool known;
+    double centre_x, centre_y; /* pixels; pixel (0,0) covers [0,1)x[0,1) */
+    double k[3];
+    double rms;                /* of what the polynomial leaves, relative to the centre */
+    double f_number, focal_mm; /* it was measured at; 0: not known */
+} igi_vignetting;
+
+typedef struct igi_calibration_view {
+    char *file;
+    double rms_px;
+    bool used; /* false: no board was found (rms_px is 0), or it disagrees with the others */
+} igi_calibration_view;
+
+typedef struct igi_calibration {
+    char *camera;      /* its name by EXIF, "" when not known */
+    int width, height; /* pixels of the photographs that it is for */
+    bool has_lens;     /* `lens` is known */
+    igi_camera lens;   /* without a pose; deviations in the order fl_x fl_y cx cy k1 k2 p1 p2 k3 */
+    double deviations[9];
+    double rms_px;
+    size_t view_count;
+    igi_calibration_view *views;
+    igi_vignetting vignetting;
+    igi_response *response; /* NULL: not known */
+} igi_calibration;
+
+/* An empty one, for photographs of the given size. */
+IGI_API IGI_MUST_USE igi_status igi_calibration_create(igi_context *context, int width, int height,
+                                                       igi_calibration **calibration);
+/* calib/NAME.json (schema in calib/README.md). */
+IGI_API IGI_MUST_USE igi_status igi_calibration_load(igi_context *context, const char *path,
+                                                     igi_calibration **calibration);
+IGI_API IGI_MUST_USE igi_status igi_calibration_save(igi_context *context,
+                                                     const igi_calibration *calibration,
+                                                     const char *path);
+IGI_API void igi_calibration_destroy(igi_calibration *calibration);
+
+typedef struct igi_chessboard {
+    int columns, rows; /* inner corners */
+    double square_m;
+} igi_chessboard;
+
+/* Intrinsics and distortion from photographs of a chessboard, at least three of which must show it
+ * whole. Views that disagree with the others are found and left out. The photographs' size is
+ * checked against that of the calibration when *calibration is not NULL; else one is made. */
+IGI_API IGI_MUST_USE igi_status igi_calibrate_chessboard(igi_context *context,
+                                                         const char *const *paths, size_t count,
+                                                         const igi_chessboard *board,
+                                                         igi_calibration **calibration);
+
+/* Vignetting from photographs of an evenly lit surface that fills the frame, through the
+ * calibration's response (linear photographs need none). *calibration as above. */
+IGI_API IGI_MUST_USE igi_status igi_calibrate_flat(igi_context *context, const char *const *paths,
+                                                   size_t count, igi_calibration **calibration);
+
+/* Fits V to `count` measured transmissions of any scale at places (x,y), pixels of an image of
+ * the given size. IGI_E_NO_ANSWER when they do not determine it. */
+IGI_API IGI_MUST_USE igi_status igi_vignetting_fit(igi_context *context, const double (*places)[2],
+                                                   const double *transmissions, size_t count,
+                                                   const int size[2], igi_vignetting *vignetting);
+/* V at a place; never below .01. */
+IGI_API double igi_vignetting_at(const igi_vignetting *vignetting, double x, double y,
+                                 const int size[2]);
+
+/* Undoes vignetting and distortion, resampling once (bicubic, without overshoot). Channels named
+ * "variance.*" are carried along as variances, "saturated" as a mask. *camera, if not NULL,
+ * becomes the pinhole that the result shows: the calibration's without distortion. */
+IGI_API IGI_MUST_USE igi_status igi_correct(igi_context *context,
+                                            const igi_calibration *calibration,
+                                            const igi_image *image, igi_image **corrected,
+                                            igi_camera *camera);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
