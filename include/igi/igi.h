@@ -11,6 +11,7 @@
 #include <igi/photo.h>
 #include <igi/hdr.h>
 #include <igi/scene.h>
+#include <igi/lens.h>
 #include <igi/material.h>
 #include <igi/recover.h>
 #include <igi/render.h>

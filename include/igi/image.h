@@ -38,7 +38,7 @@ IGI_API IGI_MUST_USE igi_status igi_image_load_exr(igi_context *context, const c
                                                    igi_image **image);
 
 /* Size and channel count from the header alone, as igi_image_load_exr would return them. *bands:
- * the channels but for alpha ("A"). */
+ * the channels but for alpha ("A") and what merging adds ("saturated", "variance.*"). */
 IGI_API IGI_MUST_USE igi_status igi_image_probe_exr(igi_context *context, const char *path,
                                                     int *width, int *height, int *channels,
                                                     int *bands);

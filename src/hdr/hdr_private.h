@@ -62,10 +62,6 @@ IGI_MUST_USE igi_status igi_hdr_compare_merge(igi_context *ctx, const igi_exposu
                                               size_t count, const igi_response *response,
                                               bool robertson, igi_image **image);
 
-/* Solves A x = b in place for `count` right-hand sides b[count][n] by Cholesky; A row-major,
- * symmetric, positive; it is overwritten. False when it is not positive. */
-bool igi_hdr_solve(double *a, size_t n, double *b, size_t count);
-
 /* The index of (x,y) in a photograph, or of the place in `b` that shows what (x,y) of `a` shows;
  * SIZE_MAX outside. */
 static inline size_t igi_hdr_shifted(const igi_photo *b, int x, int y, igi_shift shift)

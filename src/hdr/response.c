@@ -18,6 +18,7 @@
  * the thousand. Codes count only where the codes of the partner differ clearly on average.
  */
 #include "base/context.h"
+#include "base/solve.h"
 #include "hdr/hdr_private.h"
 
 #include <math.h>
@@ -55,33 +56,6 @@ void igi_response_destroy(igi_response *response)
     if (!response) return;
     igi_free(response->exposure);
     igi_free(response);
-}
-
-bool igi_hdr_solve(double *a, size_t n, double *b, size_t count)
-{
-    for (size_t j = 0; j < n; j++) {
-        double *row = a + j * n, d = row[j];
-        for (size_t k = 0; k < j; k++) d -= row[k] * row[k];
-        if (!(d > 0)) return false;
-        row[j] = sqrt(d);
-        for (size_t i = j + 1; i < n; i++) {
-            double *lower = a + i * n, sum = lower[j];
-            for (size_t k = 0; k < j; k++) sum -= lower[k] * row[k];
-            lower[j] = sum / row[j];
-        }
-    }
-    for (size_t r = 0; r < count; r++) {
-        double *x = b + r * n;
-        for (size_t i = 0; i < n; i++) {
-            for (size_t k = 0; k < i; k++) x[i] -= a[i * n + k] * x[k];
-            x[i] /= a[i * n + i];
-        }
-        for (size_t i = n; i-- > 0;) {
-            for (size_t k = i + 1; k < n; k++) x[i] -= a[k * n + i] * x[k];
-            x[i] /= a[i * n + i];
-        }
-    }
-    return true;
 }
 
 igi_status igi_comparagram_fill(igi_context *ctx, const igi_photo *a, const igi_photo *b,
@@ -292,7 +266,7 @@ static igi_status solve_curves(igi_context *ctx, const igi_bracket *bracket, con
                             "take exposures a stop or two apart, or give the response");
         regularise(e);
         memcpy(e->g, e->b, sizeof e->g);
-        if (!igi_hdr_solve(e->a, BINS, e->g, 1))
+        if (!igi_solve_cholesky(e->a, BINS, e->g, 1))
             return igi_fail(ctx, IGI_E_NO_ANSWER,
                             "response: the bracket does not determine it; give the response");
     }

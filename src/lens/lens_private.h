@@ -7,9 +7,6 @@
 
 #include <igi/lens.h>
 
-/* Solves A x = b in place by Cholesky, n <= 16; A row-major, overwritten. */
-bool igi_solve_symmetric(double *a, int n, double *b);
-
 /* Makes *calibration when it is NULL, else checks that it is for photographs of this size. */
 IGI_MUST_USE igi_status igi_calibration_for(igi_context *ctx, const char *path,
                                             const igi_photo *photo, igi_calibration **calibration);

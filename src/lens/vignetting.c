@@ -7,6 +7,7 @@
  * disagree strongly (dust, a shadow of the photographer) lose weight (Tukey's biweight).
  */
 #include "base/context.h"
+#include "base/solve.h"
 #include "lens/lens_private.h"
 
 #include <math.h>
@@ -42,7 +43,7 @@ static double fit_linear(const samples *s, double cx, double cy, double p[4])
         }
     }
     for (int k = 0; k < 4; k++) a[5 * k] *= 1 + 1e-12;
-    if (!igi_solve_symmetric(a, 4, p)) return HUGE_VAL;
+    if (!igi_solve_cholesky(a, 4, p, 1)) return HUGE_VAL;
     for (size_t i = 0; i < s->count; i++) {
         double r2 = squared_radius(s, i, cx, cy);
         double off = s->values[i] - (p[0] + r2 * (p[1] + r2 * (p[2] + r2 * p[3])));

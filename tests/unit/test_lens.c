@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Lenses: OpenCV's chessboards, synthetic lenses, measured shading tables, corrected images.
+ */
+#include "test.h"
+
+#include "base/context.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "bridge/opencv.h"
+
+#include <igi/lens.h>
+
+#include <png.h>
+
+static double gaussian(igi_rng *rng)
+{
+    double u = 1 - (double)igi_rng_float(rng), v = (double)igi_rng_float(rng);
+    return sqrt(-2 * log(u)) * cos(2 * IGI_PI * v);
+}
+
+/* A photograph of a board that is bent: rows wave by some pixels. */
+static void write_bent(igi_context *ctx, const char *from, const char *path)
+{
+    igi_photo *photo = NULL;
+    CHECK_OK(ctx, igi_photo_load(ctx, from, &photo));
+    if (!photo) return;
+    size_t channels = (size_t)photo->channels, width = (size_t)photo->width;
+    uint8_t *grey = malloc(width * (size_t)photo->height);
+    if (!grey) abort();
+    for (int y = 0; y < photo->height; y++)
+        for (int x = 0; x < photo->width; x++) {
+            int v = y + (int)(5 * sin(x / 60.) + .5);
+            v = v < 0 ? 0 : v < photo->height ? v : photo->height - 1;
+            grey[(size_t)y * width + (size_t)x] =
+                (uint8_t)photo->codes[((size_t)v * width + (size_t)x) * channels];
+        }
+    png_image writer = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)photo->width,
+                        .height = (png_uint_32)photo->height, .format = PNG_FORMAT_GRAY};
+    if (!png_image_write_to_file(&writer, path, 0, grey, 0, NULL)) abort();
+    free(grey);
+    igi_photo_destroy(photo);
+}
+
+static void opencv_left(void)
+{
+    static const char *const numbers[] = {"01", "02", "03", "04", "05", "06", "07",
+                                          "08", "09", "11", "12", "13", "14"};
+    char folder[600], storage[14][700] = {{0}};
+    const char *paths[14];
+    const igi_chessboard board = {9, 6, .025};
+    igi_calibration *c = NULL;
+    if (!test_shared_data("real/calib_opencv_left", folder, sizeof folder)) return;
+    igi_context *ctx = test_context(1);
+    for (int i = 0; i < 13; i++) {
+        snprintf(storage[i], sizeof storage[i], "%s/left%s.jpg", folder, numbers[i]);
+        paths[i] = storage[i];
+    }
+    paths[13] = "test_lens_bent.png";
+    write_bent(ctx, paths[2], paths[13]);
+    CHECK_OK(ctx, igi_calibrate_chessboard(ctx, paths, 14, &board, &c));
+    if (c) {
+        printf("rms %.4f px\n", c->rms_px);
+        CHECK(c->rms_px <= .19); /* published: .3926, or .2248 without left02, see window_of() */
+        CHECK(c->view_count == 14);
+        for (size_t i = 0; i < 13; i++) CHECK(c->views[i].used && c->views[i].rms_px < .3);
+        CHECK(!c->views[13].used && c->views[13].rms_px > .6);
+        CHECK_STR(c->views[1].file, "left02.jpg");
+        /* OpenCV's own left_intrinsics.yml, with the dragged corners; its pixels are centred at
+         * whole numbers. */
+        CHECK_NEAR(c->lens.fl_x, 535.9, 4);
+        CHECK_NEAR(c->lens.fl_y, 535.9, 4);
+        CHECK_NEAR(c->lens.cx, 342.3 + .5, 2);
+        CHECK_NEAR(c->lens.cy, 235.6 + .5, 2);
+        CHECK_NEAR(c->lens.k1, -.266, .03);
+    }
+    igi_calibration_destroy(c);
+    c = NULL;
+    CHECK(igi_calibrate_chessboard(ctx, paths, 2, &board, &c) == IGI_E_DATA && !c);
+    CHECK_CONTAINS(igi_context_message(ctx), "is seen in 2 of 2 photographs");
+    remove(paths[13]);
+    igi_context_destroy(ctx);
+}
+
+/* Twelve views of a board by a known lens, corners with noise. */
+static void synthetic_lens_within_its_deviations(void)
+{
+    enum { VIEWS = 12, COLUMNS = 9, ROWS = 6, POINTS = COLUMNS * ROWS };
+    static const double truth[9] = {820, 815, 650, 470, -.25, .08, .001, -.0015, -.01};
+    static float board[POINTS * 3], corners[VIEWS * POINTS * 2];
+    double got[9], deviations[9], rms, view_rms[VIEWS];
+    igi_rng rng = igi_rng_make(5, 6);
+    igi_context *ctx = test_context(1);
+    for (int i = 0; i < POINTS; i++) {
+        board[3 * i] = (float)(i % COLUMNS) * .03f;
+        board[3 * i + 1] = (float)(i / COLUMNS) * .03f;
+    }
+    for (int v = 0; v < VIEWS; v++) {
+        double tilt_x = .5 * sin(v * 1.7), tilt_y = .5 * cos(v * 2.3), turn = .3 * sin(v);
+        double cx = cos(tilt_x), sx = sin(tilt_x), cy = cos(tilt_y), sy = sin(tilt_y);
+        for (int i = 0; i < POINTS; i++) {
+            double u = (double)board[3 * i] - .12, w = (double)board[3 * i + 1] - .075;
+            double a = u * cos(turn) - w * sin(turn), b = u * sin(turn) + w * cos(turn);
+            double x = a * cy, y = b * cx + a * sy * sx, z = b * sx - a * sy * cx;
+            x += .07 * cos(v * 2.1), y += .05 * sin(v * 1.3), z += .32 + .02 * (v % 4);
+            x /= z, y /= z;
+            double r2 = x * x + y * y;
+            double d = 1 + r2 * (truth[4] + r2 * (truth[5] + r2 * truth[8]));
+            double xd = x * d + 2 * truth[6] * x * y + truth[7] * (r2 + 2 * x * x);
+            double yd = y * d + truth[6] * (r2 + 2 * y * y) + 2 * truth[7] * x * y;
+            float *to = corners + (v * POINTS + i) * 2;
+            to[0] = (float)(truth[0] * xd + truth[2] + .1 * gaussian(&rng));
+            to[1] = (float)(truth[1] * yd + truth[3] + .1 * gaussian(&rng));
+        }
+    }
+    igi_cv_views views = {1300, 940, VIEWS, POINTS, board, corners};
+    CHECK_OK(ctx, igi_cv_calibrate(ctx, &views, got, deviations, &rms, view_rms));
+    CHECK_NEAR(rms, .1 * sqrt(2), .01);
+    int within = 0;
+    for (int i = 0; i < 9; i++) {
+        CHECK(deviations[i] > 0);
+        CHECK_NEAR(got[i], truth[i], 3.5 * deviations[i]);
+        within += fabs(got[i] - truth[i]) < deviations[i];
+    }
+    CHECK(within >= 3); /* of nine; about six are expected */
+    igi_context_destroy(ctx);
+}
+
+static void bridge_turns_exceptions_into_words(void)
+{
+    igi_context *ctx = test_context(1);
+    float board[9] = {0}, corners[6] = {0};
+    igi_cv_views views = {100, 100, 1, 3, board, corners};
+    double got[9], deviations[9], rms, view_rms[1];
+    CHECK(igi_cv_calibrate(ctx, &views, got, deviations, &rms, view_rms) == IGI_E_NO_ANSWER);
+    CHECK_CONTAINS(igi_context_message(ctx), "calibration: OpenCV gave up");
+    igi_context_destroy(ctx);
+}
+
+/* The measured gain tables of six camera modules. Residuals as SOURCES.md publishes them. */
+static void shading_tables(void)
+{
+    static const struct { const char *name; double published, corner; } tables[] = {
+        {"imx219", .013, .355}, {"imx296", .021, .905}, {"imx378", .021, .345},
+        {"imx477", .021, .635}, {"imx519", .021, 0}, {"ov5647", .021, .45}};
+    igi_context *ctx = test_context(1);
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+        char name[200], path[600];
+        double places[192][2], values[192];
+        const int size[2] = {1600, 1200};
+        igi_vignetting v;
+        snprintf(name, sizeof name, "real/lens_shading_raspberrypi/%s_luminance_gain_16x12.csv",
+                 tables[i].name);
+        if (!test_shared_data(name, path, sizeof path)) continue;
+        FILE *file = fopen(path, "r");
+        if (!file) abort();
+        int count = 0;
+        for (double gain; count < 192 && fscanf(file, "%lf%*[,\n]", &gain) == 1; count++) {
+            places[count][0] = (count % 16 + .5) * 100;
+            places[count][1] = (count / 16 + .5) * 100;
+            values[count] = 1 / gain;
+        }
+        fclose(file);
+        CHECK(count == 192);
+        CHECK_OK(ctx, igi_vignetting_fit(ctx, (const double(*)[2])places, values, 192, size, &v));
+        printf("%s: rms %.4f, centre %+.0f %+.0f, corner %.2f\n", tables[i].name, v.rms,
+               v.centre_x - 800, v.centre_y - 600, igi_vignetting_at(&v, 0, 0, size));
+        CHECK(v.known && v.rms <= tables[i].published);
+        CHECK(fabs(v.centre_x - 800) < 200 && fabs(v.centre_y - 600) < 200);
+        if (tables[i].corner > 0)
+            CHECK_NEAR(igi_vignetting_at(&v, 0, 0, size), tables[i].corner, .1);
+    }
+    igi_context_destroy(ctx);
+}
+
+static void write_flat(const char *path, int width, int height, const igi_vignetting *v, double level,
+                       uint64_t seed)
+{
+    const int size[2] = {width, height};
+    uint16_t *codes = malloc((size_t)(width * height * 2));
+    igi_rng rng = igi_rng_make(seed, 3);
+    if (!codes) abort();
+    for (int i = 0; i < width * height; i++) {
+        double x = level * igi_vignetting_at(v, i % width + .5, i / width + .5, size);
+        x += sqrt(x / 8000) * gaussian(&rng);
+        codes[i] = (uint16_t)fmax(0, fmin(65535, 65535 * x + .5));
+    }
+    png_image writer = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)width,
+                        .height = (png_uint_32)height, .format = PNG_FORMAT_LINEAR_Y};
+    if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
+    free(codes);
+}
+
+static void flat_fields(void)
+{
+    const igi_vignetting truth = {.known = true, .centre_x = 213, .centre_y = 139,
+                                  .k = {-.45, .2, -.1}};
+    const int size[2] = {400, 300};
+    const char *paths[2] = {"test_lens_0.png", "test_lens_1.png"};
+    igi_context *ctx = test_context(1);
+    igi_calibration *c = NULL;
+    for (int i = 0; i < 2; i++) write_flat(paths[i], 400, 300, &truth, .7 + .1 * i, (uint64_t)i);
+    CHECK_OK(ctx, igi_calibrate_flat(ctx, paths, 2, &c));
+    if (c) {
+        double sum = 0;
+        for (int y = 0; y < 300; y += 10)
+            for (int x = 0; x < 400; x += 10) {
+                double off = igi_vignetting_at(&c->vignetting, x, y, size) /
+                                 igi_vignetting_at(&truth, x, y, size) - 1;
+                sum += off * off / 1200;
+            }
+        CHECK(sqrt(sum) < .005);
+        CHECK_NEAR(c->vignetting.centre_x, 213, 3);
+        CHECK_NEAR(c->vignetting.centre_y, 139, 3);
+        CHECK(c->vignetting.rms < .01 && !c->has_lens && c->width == 400);
+    }
+    write_flat(paths[0], 400, 300, &truth, 1.2, 1);
+    igi_calibration_destroy(c);
+    c = NULL;
+    CHECK(igi_calibrate_flat(ctx, paths, 1, &c) == IGI_E_DATA && !c);
+    CHECK_CONTAINS(igi_context_message(ctx), "test_lens_0.png: it is saturated");
+    write_flat(paths[0], 300, 300, &truth, .5, 1);
+    CHECK(igi_calibrate_flat(ctx, paths, 2, &c) == IGI_E_DATA && !c);
+    CHECK_CONTAINS(igi_context_message(ctx), "test_lens_1.png: 400 x 300 pixels, and the "
+                                             "calibration is for 300 x 300");
+    remove(paths[0]);
+    remove(paths[1]);
+    igi_context_destroy(ctx);
+}
+
+static igi_calibration *known_lens(igi_context *ctx)
+{
+    igi_calibration *c = NULL;
+    CHECK_OK(ctx, igi_calibration_create(ctx, 240, 180, &c));
+    c->has_lens = true;
+    c->lens.fl_x = 200, c->lens.fl_y = 198, c->lens.cx = 118, c->lens.cy = 92;
+    c->lens.k1 = -.25, c->lens.k2 = .07, c->lens.p1 = .001, c->lens.p2 = -.002, c->lens.k3 = -.01;
+    c->deviations[4] = .003;
+    c->rms_px = .21;
+    c->vignetting = (igi_vignetting){.known = true, .centre_x = 125, .centre_y = 88,
+                                     .k = {-.3, .05, -.02}, .rms = .004, .f_number = 4,
+                                     .focal_mm = 35};
+    return c;
+}
+
+/* Radiance as a smooth function of where a ray of the undistorted pinhole goes. */
+static double pattern(double a, double b)
+{
+    return 2 + sin(9 * a) * cos(7 * b) + .5 * a;
+}
+
+/* What the lens sees of the pattern: the place (x,y) looks along (a,b), found by iteration. */
+static double seen(const igi_calibration *c, double x, double y)
+{
+    const igi_camera *l = &c->lens;
+    const int size[2] = {c->width, c->height};
+    double xd = (x - l->cx) / l->fl_x, yd = (y - l->cy) / l->fl_y, a = xd, b = yd;
+    for (int i = 0; i < 200; i++) {
+        double r2 = a * a + b * b, d = 1 + r2 * (l->k1 + r2 * (l->k2 + r2 * l->k3));
+        double u = (xd - 2 * l->p1 * a * b - l->p2 * (r2 + 2 * a * a)) / d;
+        b = (yd - l->p1 * (r2 + 2 * b * b) - 2 * l->p2 * a * b) / d;
+        a = u;
+    }
+    return pattern(a, b) * igi_vignetting_at(&c->vignetting, x, y, size);
+}
+
+static void corrected_images(void)
+{
+    igi_context *ctx = test_context(2);
+    igi_calibration *c = known_lens(ctx);
+    igi_image *photo = NULL, *got = NULL;
+    igi_camera pinhole;
+    CHECK_OK(ctx, igi_image_create(ctx, 240, 180, 3, &photo));
+    snprintf(photo->names[0], IGI_CHANNEL_NAME_SIZE, "Y");
+    snprintf(photo->names[1], IGI_CHANNEL_NAME_SIZE, "saturated");
+    snprintf(photo->names[2], IGI_CHANNEL_NAME_SIZE, "variance.Y");
+    for (int i = 0; i < 240 * 180; i++) {
+        photo->samples[3 * i] = (float)seen(c, i % 240 + .5, i / 240 + .5);
+        photo->samples[3 * i + 1] = i % 240 < 20;
+        photo->samples[3 * i + 2] = 1;
+    }
+    CHECK_OK(ctx, igi_correct(ctx, c, photo, &got, &pinhole));
+    CHECK(pinhole.k1 == 0 && pinhole.p2 == 0 && pinhole.fl_x == 200 && pinhole.width == 240);
+    double worst = 0, variance = 0;
+    int wrong_mask = 0;
+    for (int y = 0; got && y < 180; y++)
+        for (int x = 0; x < 240; x++) {
+            const float *p = got->samples + (y * 240 + x) * 3;
+            double want = pattern((x + .5 - 118) / 200, (y + .5 - 92) / 198);
+            if (x > 2 && y > 2 && x < 237 && y < 177)
+                worst = fmax(worst, fabs((double)p[0] / want - 1));
+            if (x > 100 && x < 140 && y > 80 && y < 100) variance += (double)p[2] / (39 * 19);
+            wrong_mask += (x < 2 && p[1] != 1) || (x > 40 && p[1] != 0);
+        }
+    CHECK(worst < .004);
+    CHECK(variance > .3 && variance < 1.05); /* interpolation averages; V is near 1 here */
+    CHECK(wrong_mask == 0);
+    igi_image_destroy(got);
+    /* Without a lens and vignetting nothing changes, not by a bit. */
+    c->has_lens = c->vignetting.known = false;
+    CHECK_OK(ctx, igi_correct(ctx, c, photo, &got, NULL));
+    if (got) CHECK(memcmp(got->samples, photo->samples, 240 * 180 * 3 * sizeof(float)) == 0);
+    igi_image_destroy(got);
+    c->width = 241;
+    CHECK(igi_correct(ctx, c, photo, &got, NULL) == IGI_E_DATA && !got);
+    CHECK_CONTAINS(igi_context_message(ctx), "the calibration is for 241 x 180");
+    igi_image_destroy(photo);
+    igi_calibration_destroy(c);
+    igi_context_destroy(ctx);
+}
+
+static void files_round_trip(void)
+{
+    igi_context *ctx = test_context(1);
+    igi_calibration *c = known_lens(ctx), *back = NULL;
+    const char *path = "test_lens.json";
+    CHECK_OK(ctx, igi_response_create(ctx, 3, 256, &c->response));
+    for (int i = 0; i < 768; i++) c->response->exposure[i] = powf((float)(i % 256) / 255, 2.2f);
+    c->response->low[1] = 7;
+    CHECK_OK(ctx, igi_calibration_save(ctx, c, path));
+    CHECK_OK(ctx, igi_calibration_load(ctx, path, &back));
+    if (back) {
+        CHECK(back->width == 240 && back->height == 180 && back->has_lens);
+        CHECK_NEAR(back->lens.k3, -.01, 1e-12);
+        CHECK_NEAR(back->lens.cy, 92, 1e-12);
+        CHECK_NEAR(back->deviations[4], .003, 1e-12);
+        CHECK_NEAR(back->vignetting.k[2], -.02, 1e-12);
+        CHECK_NEAR(back->vignetting.centre_x, 125, 1e-12);
+        CHECK_NEAR(back->vignetting.f_number, 4, 0);
+        CHECK(back->response && back->response->low[1] == 7 && back->response->high[2] == 255);
+        if (back->response)
+            CHECK_NEAR((double)back->response->exposure[300], (double)c->response->exposure[300],
+                       1e-8);
+    }
+    igi_calibration_destroy(back);
+    igi_calibration_destroy(c);
+    remove(path);
+    igi_context_destroy(ctx);
+}
+
+static void broken_files_are_refused(void)
+{
+    static const char *const bad[][2] = {
+        {"{\"igi\": 2}", "test_lens.json:1: \"igi\""},
+        {"{\"igi\": 1,\n\"w\": 0, \"h\": 5}", "test_lens.json:2: \"w\""},
+        {"{\"igi\": 1, \"w\": 9, \"h\": 5, \"fl_x\": -1}", "\"fl_x\""},
+        {"{\"igi\": 1, \"w\": 9, \"h\": 5, \"vignetting\": {\"k\": [1, 2, 3]}}", "centre"},
+        {"{\"igi\": 1, \"w\": 9, \"h\": 5, \"response\": {\"levels\": 255}}", "exposure"},
+        {"[]", "test_lens.json"},
+    };
+    igi_context *ctx = test_context(1);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        igi_calibration *c = NULL;
+        FILE *file = fopen("test_lens.json", "w");
+        if (!file) abort();
+        fputs(bad[i][0], file);
+        fclose(file);
+        CHECK(igi_calibration_load(ctx, "test_lens.json", &c) == IGI_E_DATA && !c);
+        CHECK_CONTAINS(igi_context_message(ctx), bad[i][1]);
+    }
+    remove("test_lens.json");
+    igi_context_destroy(ctx);
+}
+
+TEST_MAIN({"opencv_left", opencv_left},
+          {"synthetic_lens_within_its_deviations", synthetic_lens_within_its_deviations},
+          {"bridge_turns_exceptions_into_words", bridge_turns_exceptions_into_words},
+          {"shading_tables", shading_tables}, {"flat_fields", flat_fields},
+          {"corrected_images", corrected_images}, {"files_round_trip", files_round_trip},
+          {"broken_files_are_refused", broken_files_are_refused})
