@@ -2,6 +2,7 @@
  *
  * The whole way: photographs → observations → patches → albedo → materials.
  */
+#include "recover/compare.h"
 #include "recover/methods.h"
 
 #include <string.h>
@@ -144,6 +145,25 @@ cleanup:
     return status;
 }
 
+/* Maps of what the regions are made of, and what they predict for a few photographs. */
+static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_diffuse *diffuse,
+                       igi_recovery *recovery)
+{
+    igi_status status = IGI_OK;
+    igi_field *field = NULL;
+    igi_layout *layout = NULL;
+    igi_stage_begin(ctx, "maps");
+    IGI_TRY_GOTO(igi_field_create(ctx, problem, diffuse, &field));
+    IGI_TRY_GOTO(igi_layout_create(ctx, problem->scene, &layout));
+    IGI_TRY_GOTO(igi_maps_create(ctx, problem, field, layout, recovery->materials));
+    igi_stage_begin(ctx, "compare");
+    IGI_TRY_GOTO(igi_compare(ctx, problem, field, layout, recovery));
+cleanup:
+    igi_layout_destroy(layout);
+    igi_field_destroy(field);
+    return status;
+}
+
 igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recover_options *options,
                        igi_recovery **recovery)
 {
@@ -169,6 +189,7 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, &r->materials));
+    IGI_TRY_GOTO(draw(ctx, problem, diffuse, r));
     *recovery = r;
     r = NULL;
 cleanup:

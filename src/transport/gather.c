@@ -99,18 +99,19 @@ static void gather_indirect(const job *j, size_t row, igi_rng *rng)
 }
 
 /* Light l from the row's places: closed form where nothing is in between, times the visible share
- * of what the shadow rays carry. */
-static float light_row(const job *j, size_t row, size_t l, igi_rng *rng)
+ * of what the shadow rays carry. Every light is looked for from the same places. */
+static void light_row(const job *j, size_t row, size_t l, igi_rng rng)
 {
     int points = j->options.light_points;
     uint32_t side = j->rows->side[row];
     uint32_t first = sequence_start(j->patches, side) * (uint32_t)points;
     uint64_t shift = igi_hash64(igi_hash64(j->shift + l + 1) ^ (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
-    float open = 0, sent = 0, arrived = 0;
+    igi_rng places = rng;
+    float open = 0, sent = 0, arrived = 0, sent2 = 0, arrived2 = 0;
     for (int k = 0; k < points; k++) {
         igi_light_sample s;
         float u, v;
-        place p = origin(j, side, k, points, rng);
+        place p = origin(j, side, k, points, &rng);
         float closed = igi_light_irradiance(j->lighting, NULL, l, p.point, p.normal, 1, 0);
         if (closed <= 0) continue;
         open += closed;
@@ -119,21 +120,38 @@ static float light_row(const job *j, size_t row, size_t l, igi_rng *rng)
         float carried = igi_dot(s.direction, p.normal) * s.weight;
         if (carried <= 0) continue;
         sent += carried;
-        if (!igi_occluded(j->tracer, p.point, igi_madd(p.point, s.direction, s.distance))) arrived += carried;
+        sent2 += carried * carried;
+        if (igi_occluded(j->tracer, p.point, igi_madd(p.point, s.direction, s.distance))) continue;
+        arrived += carried;
+        arrived2 += carried * carried;
     }
-    return sent > 0 ? open / (float)points * (arrived / sent) : 0;
+    if (open > 0 && !(sent > 0)) { /* each point of the lamp that was tried faces away */
+        sent = open;
+        rng = places;
+        for (int k = 0; k < points; k++) {
+            place p = origin(j, side, k, points, &rng);
+            arrived += igi_light_irradiance(j->lighting, j->tracer, l, p.point, p.normal, 1,
+                                            igi_hash64(shift + first + (uint32_t)k));
+        }
+    }
+    float visible = sent > 0 ? arrived / sent : 0;
+    size_t at = row * j->rows->lights + l;
+    j->rows->open[at] = open / (float)points;
+    j->rows->direct[at] = open / (float)points * visible;
+    /* sum of (carried (arrived or not - visible))^2 */
+    float squares = arrived2 * (1 - 2 * visible) + sent2 * visible * visible;
+    j->rows->visible_var[at] = sent > 0 ? fmaxf(0.0f, squares / (sent * sent)) : 0;
 }
 
-static void gather_direct(const job *j, size_t row, igi_rng *rng)
+static void gather_direct(const job *j, size_t row, igi_rng rng)
 {
     igi_vec sum = igi_v(0, 0, 0);
-    igi_rng places = *rng;
+    igi_rng places = rng;
     for (int k = 0; k < j->options.light_points; k++)
         sum = igi_add(sum, origin(j, j->rows->side[row], k, j->options.light_points, &places).point);
     sum = igi_scale(sum, 1 / (float)j->options.light_points);
     memcpy(j->rows->point + 3 * row, &sum, 3 * sizeof(float));
-    for (size_t l = 0; l < j->rows->lights; l++)
-        j->rows->direct[row * j->rows->lights + l] = light_row(j, row, l, rng);
+    for (size_t l = 0; l < j->rows->lights; l++) light_row(j, row, l, rng);
 }
 
 static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int worker)
@@ -145,7 +163,7 @@ static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int wor
     for (size_t row = begin; row < end; row++) {
         igi_rng rng = igi_rng_make(igi_seed(ctx), row);
         gather_indirect(j, row, &rng);
-        gather_direct(j, row, &rng);
+        gather_direct(j, row, rng);
     }
     size_t rays = (size_t)j->rows->rays + (size_t)j->options.light_points * j->rows->lights;
     igi_count_rays(ctx, (end - begin) * rays);
@@ -166,19 +184,22 @@ static size_t discover(const job *j)
     return found;
 }
 
-static igi_status grow(igi_context *ctx, igi_rows *r, size_t count, size_t capacity[3])
+/* Makes room for rows begin..end - 1; arrays of a row are zeroed, whatever it will fill in. */
+static igi_status grow(igi_context *ctx, igi_rows *r, size_t begin, size_t end, size_t capacity[5])
 {
-    void *grown = igi_grow(ctx, r->hits, &capacity[0], count * (size_t)r->rays, sizeof *r->hits);
+    void *grown = igi_grow(ctx, r->hits, &capacity[0], end * (size_t)r->rays, sizeof *r->hits);
     if (!grown) return IGI_E_SYSTEM;
     r->hits = grown;
-    size_t from = capacity[1];
-    grown = igi_grow(ctx, r->direct, &capacity[1], count * r->lights, sizeof *r->direct);
-    if (!grown) return IGI_E_SYSTEM;
-    r->direct = grown;
-    if (capacity[1] > from) memset(r->direct + from, 0, (capacity[1] - from) * sizeof *r->direct);
-    grown = igi_grow(ctx, r->point, &capacity[2], count * 3, sizeof *r->point);
+    grown = igi_grow(ctx, r->point, &capacity[1], end * 3, sizeof *r->point);
     if (!grown) return IGI_E_SYSTEM;
     r->point = grown;
+    float **of_lights[] = {&r->direct, &r->open, &r->visible_var};
+    for (int k = 0; k < 3; k++) {
+        grown = igi_grow(ctx, *of_lights[k], &capacity[2 + k], end * r->lights, sizeof(float));
+        if (!grown) return IGI_E_SYSTEM;
+        *of_lights[k] = grown;
+        memset(*of_lights[k] + begin * r->lights, 0, (end - begin) * r->lights * sizeof(float));
+    }
     return IGI_OK;
 }
 
@@ -203,7 +224,7 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
 {
     igi_status status = IGI_OK;
     igi_rows *r = NULL;
-    size_t capacity[3] = {0, 0, 0};
+    size_t capacity[5] = {0};
     *rows = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     r->rays = options->rays;
@@ -214,7 +235,7 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     job j = {.scene = scene, .patches = patches, .tracer = tracer, .lighting = lighting,
              .sites = sites, .options = *options, .rows = r, .shift = igi_hash64(igi_seed(ctx)), .begin = 0, .end = r->count};
     while (j.begin < j.end) {
-        IGI_TRY_GOTO(grow(ctx, r, j.end, capacity));
+        IGI_TRY_GOTO(grow(ctx, r, j.begin, j.end, capacity));
         size_t tasks = (j.end - j.begin + ROWS_A_TASK - 1) / ROWS_A_TASK;
         IGI_TRY_GOTO(igi_parallel_for(ctx, tasks, gather_rows, &j));
         if (!options->wanted) r->count += discover(&j);
@@ -235,6 +256,8 @@ void igi_rows_destroy(igi_rows *rows)
     igi_free(rows->row_of);
     igi_free(rows->hits);
     igi_free(rows->direct);
+    igi_free(rows->open);
+    igi_free(rows->visible_var);
     igi_free(rows->point);
     igi_free(rows);
 }

@@ -44,6 +44,9 @@ typedef struct igi_rows {
     uint32_t *row_of; /* [2 * patches] row of a side, or IGI_NO_ROW */
     uint32_t *hits;   /* [count][rays] side met, or IGI_NO_SIDE: nothing, or a lamp */
     float *direct;    /* [count][lights] irradiance per unit of the light's value */
+    float *open;      /* [count][lights] the same, as if nothing were in between: equal to direct
+                         where each shadow ray arrived */
+    float *visible_var; /* [count][lights] variance of direct / open, as the shadow rays scatter */
     float *point;     /* [count][3] mean place of what it starts from */
 } igi_rows;
 

@@ -204,6 +204,25 @@ uint32_t igi_patch_at(const igi_patches *patches, uint32_t triangle, float u, fl
     return patch;
 }
 
+void igi_patch_place(const igi_patches *patches, uint32_t triangle, float u, float v, float *s,
+                     float *t)
+{
+    const igi_triangle_lattice *l = &patches->lattices[triangle];
+    uint32_t cell = igi_patch_at(patches, triangle, u, v) - l->first;
+    to_lattice(l, u, v, s, t);
+    *s = *s * (float)l->nu - (float)(cell % l->nu);
+    *t = *t * (float)l->nv - (float)(cell / l->nu);
+}
+
+void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u, float *v)
+{
+    const igi_triangle_lattice *l = &patches->lattices[patches->triangle[patch]];
+    uint32_t cell = patch - l->first;
+    float a = ((float)(cell % l->nu) + s) / (float)l->nu, b = ((float)(cell / l->nu) + t) / (float)l->nv;
+    float excess = fmaxf(0.0f, a + b - 1) / 2;
+    from_lattice(l, fmaxf(0.0f, a - excess), fmaxf(0.0f, b - excess), u, v);
+}
+
 static uint32_t pick_gathered(const igi_patches *p, uint32_t patch, igi_rng *rng)
 {
     uint32_t triangle = p->triangle[patch];

@@ -36,6 +36,12 @@ void igi_patches_destroy(igi_patches *patches);
 /* The patch that holds a point. A side of a patch is numbered 2 patch + (back ? 1 : 0). */
 uint32_t igi_patch_at(const igi_patches *patches, uint32_t triangle, float u, float v);
 
+/* Where in its cell of the triangle's lattice a point lies, 0..1 along both edges; and back: the
+ * point of a patch there, moved into the triangle if need be. The patch must not be a gathered one. */
+void igi_patch_place(const igi_patches *patches, uint32_t triangle, float u, float v, float *s,
+                     float *t);
+void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u, float *v);
+
 static inline uint32_t igi_patch_region(const igi_patches *patches, uint32_t patch)
 {
     return patches->mesh->regions[patches->triangle[patch]];

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What maps*.c share.
+ */
+#ifndef IGI_SRC_RECOVER_MAPS_PRIVATE_H
+#define IGI_SRC_RECOVER_MAPS_PRIVATE_H
+
+#include "recover/maps.h"
+
+/* Sums of a texel, over what was seen in it: weight 1 is one pixel about as large as a texel. */
+typedef struct igi_texels {
+    int size, bands;
+    bool wraps;
+    float *weight;     /* [size][size] */
+    float *weight2;    /* of the squares */
+    float *reflected;  /* [size][size][bands] pi w L */
+    float *received;   /* [size][size][bands] w E */
+    float *ratio2;     /* w (reflected / received)^2, bands summed before the ratio */
+    float *received_var; /* w (relative standard deviation of E)^2 */
+} igi_texels;
+
+IGI_MUST_USE igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps,
+                                          igi_texels *texels);
+void igi_texels_clear(igi_texels *texels);
+
+/* Sorted by region: sides that photographs show. */
+typedef struct igi_region_sides {
+    size_t *begin;   /* [regions + 1] */
+    uint32_t *sides;
+} igi_region_sides;
+
+/* Is it a texture, or one albedo and noise? */
+bool igi_is_textured(const igi_problem *problem, const igi_field *field,
+                     const igi_region_sides *sides, uint32_t region);
+
+/* Adds every observation of the region. */
+void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
+                           const igi_layout *layout, const igi_region_sides *sides, uint32_t region);
+/* Adds the means of the region's patches: for maps whose texels are no smaller. */
+void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, const igi_field *field,
+                            const igi_layout *layout, const igi_region_sides *sides,
+                            uint32_t region);
+/* Turns the sums into the material's maps; texels without weight are filled in from their
+ * neighbours and the region's albedo. */
+IGI_MUST_USE igi_status igi_texels_finish(igi_context *ctx, const igi_texels *texels,
+                                          igi_material *material);
+
+/* Fills pixels of weight 0 of image[size][size][channels] from the others by push and pull. */
+IGI_MUST_USE igi_status igi_fill_holes(igi_context *ctx, float *image, const float *weight, int size,
+                                       int channels, const float *fallback);
+
+/* Side of a pixel on the surface, metres: the root of its footprint's area. */
+float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v);
+
+#endif
