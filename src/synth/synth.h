@@ -80,13 +80,17 @@ IGI_MUST_USE igi_status shape_read(igi_context *ctx, spec *s, const igi_json *at
 IGI_MUST_USE igi_status shapes_save(igi_context *ctx, const spec *s, const char *path);
 
 IGI_MUST_USE igi_status views_read(igi_context *ctx, const igi_json *at, view_set *views);
-/* Chooses cameras and writes them as transforms.json. *cameras [*count] is the caller's. */
+/* *cameras [*count] is the caller's. */
 IGI_MUST_USE igi_status views_choose(igi_context *ctx, const view_set *views,
                                      const igi_scene *scene, const igi_tracer *tracer,
                                      igi_camera **cameras, size_t *count);
 IGI_MUST_USE igi_status views_save(igi_context *ctx, const igi_camera *cameras, size_t count,
                                    const char *path);
-/* Does a camera see the point, whose surface has this normal? */
+igi_camera view_camera(const view_set *views, igi_vec eye, igi_vec target);
+/* Cameras at free places within the scene. */
+IGI_MUST_USE igi_status views_place(igi_context *ctx, const view_set *views,
+                                    const igi_scene *scene, const igi_tracer *tracer,
+                                    igi_camera *cameras, size_t count);
 bool view_sees(const igi_camera *camera, const igi_tracer *tracer, igi_vec point);
 
 /* A map of the texture; `image` is made. */

@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Where the photographs are taken from: as the spec lists them, on a ring, or inside the scene at
- * random, each looking at a random point of the next region in turn, until all are seen.
+ * Cameras: read from the spec, listed or on a ring, and written as transforms.json.
  */
 #include "synth/synth.h"
 
-#include "base/rng.h"
 #include "scene/camera.h"
 
 #include <math.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
-#define TRIES 20000
 
 static igi_status read_corners(igi_context *ctx, const igi_json *parent, const char *key,
                                double corners[2][3], bool *present)
@@ -81,7 +78,7 @@ igi_status views_read(igi_context *ctx, const igi_json *at, view_set *views)
     return read_look(ctx, at, views);
 }
 
-static igi_camera camera_at(const view_set *views, igi_vec eye, igi_vec target)
+igi_camera view_camera(const view_set *views, igi_vec eye, igi_vec target)
 {
     igi_vec back = igi_normalize(igi_sub(eye, target));
     igi_vec up = fabsf(back.z) > 0.999f ? igi_v(0, 1, 0) : igi_v(0, 0, 1);
@@ -107,142 +104,24 @@ bool view_sees(const igi_camera *camera, const igi_tracer *tracer, igi_vec point
     return !igi_occluded(tracer, igi_camera_centre(camera), point);
 }
 
-static igi_vec random_in(igi_rng *rng, igi_vec low, igi_vec high)
-{
-    igi_vec d = igi_sub(high, low);
-    float x = igi_rng_float(rng), y = igi_rng_float(rng), z = igi_rng_float(rng);
-    return igi_v(low.x + x * d.x, low.y + y * d.y, low.z + z * d.z);
-}
-
-/* A uniform point of a region's surface; region -1: of any. */
-static igi_vec random_on(igi_rng *rng, const igi_mesh *mesh, int region)
-{
-    double total = 0;
-    uint32_t chosen = 0;
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) { /* a weighted reservoir of one */
-        if (region >= 0 && mesh->regions[t] != (uint32_t)region) continue;
-        double area = (double)igi_triangle_area(mesh, t);
-        total += area;
-        if ((double)igi_rng_float(rng) * total <= area) chosen = t;
-    }
-    float root = sqrtf(igi_rng_float(rng)), v = igi_rng_float(rng);
-    return igi_triangle_point(mesh, chosen, root * (1 - v), root * v);
-}
-
-/* Free of surfaces all around, and not within something solid. */
-static bool is_free(const igi_tracer *tracer, igi_rng *rng, igi_vec eye, float clearance)
-{
-    enum { RAYS = 64 };
-    int behind = 0;
-    for (int i = 0; i < RAYS; i++) {
-        igi_vec up = {0, 0, i % 2 ? 1.0f : -1.0f};
-        igi_vec d = igi_cosine_direction(up, igi_rng_float(rng), igi_rng_float(rng));
-        igi_hit hit = igi_trace(tracer, eye, d);
-        if (hit.distance < clearance) return false;
-        behind += hit.back;
-    }
-    return behind < RAYS / 2;
-}
-
-typedef struct chooser {
-    const view_set *views;
-    const igi_scene *scene;
-    const igi_tracer *tracer;
-    igi_rng rng;
-    igi_vec low, high; /* of the eyes */
-    igi_vec *hidden;   /* points that no view may see */
-    size_t hidden_count;
-    int region; /* the one looked at last */
-} chooser;
-
-static bool is_within(igi_vec p, const double corners[2][3])
-{
-    const double at[3] = {(double)p.x, (double)p.y, (double)p.z};
-    for (int k = 0; k < 3; k++)
-        if (!(at[k] >= corners[0][k] && at[k] <= corners[1][k])) return false;
-    return true;
-}
-
-static igi_status chooser_start(igi_context *ctx, chooser *c)
-{
-    enum { POINTS = 20000 };
-    const view_set *v = c->views;
-    c->rng = igi_rng_make(igi_seed(ctx), v->seed);
-    (void)igi_tracer_size(c->tracer, &c->low, &c->high);
-    igi_vec inset = igi_scale(igi_sub(c->high, c->low), 0.12f);
-    c->low = v->has_eyes ? igi_v_ofd(v->eyes[0]) : igi_add(c->low, inset);
-    c->high = v->has_eyes ? igi_v_ofd(v->eyes[1]) : igi_sub(c->high, inset);
-    if (!v->has_unseen) return IGI_OK;
-    IGI_TRY(IGI_ALLOC(ctx, POINTS, &c->hidden));
-    for (int i = 0; i < POINTS; i++) {
-        igi_vec p = random_on(&c->rng, &c->scene->mesh, -1);
-        if (is_within(p, v->unseen)) c->hidden[c->hidden_count++] = p;
-    }
-    return IGI_OK;
-}
-
-static bool sees_hidden(const chooser *c, const igi_camera *camera)
-{
-    for (size_t i = 0; i < c->hidden_count; i++)
-        if (view_sees(camera, c->tracer, c->hidden[i])) return true;
-    return false;
-}
-
-static int next_region(const chooser *c)
-{
-    int count = (int)c->scene->region_count;
-    for (int k = 1; k <= count; k++) {
-        int region = (c->region + k) % count;
-        if (!c->scene->regions[region].emitter) return region;
-    }
-    return 0;
-}
-
-static igi_status choose_one(igi_context *ctx, chooser *c, igi_camera *camera)
-{
-    float size = igi_tracer_size(c->tracer, NULL, NULL);
-    float clearance = c->views->clearance > 0 ? (float)c->views->clearance : 0.04f * size;
-    for (int i = 0; i < TRIES; i++) {
-        if (i % 100 == 0) c->region = next_region(c);
-        igi_vec eye = random_in(&c->rng, c->low, c->high);
-        igi_vec target = random_on(&c->rng, &c->scene->mesh, c->region);
-        igi_vec d = igi_sub(target, eye);
-        float distance = igi_length(d);
-        if (distance < 0.2f * size || fabsf(d.z) > 0.9f * distance) continue;
-        if (igi_occluded(c->tracer, eye, target)) continue;
-        if (!is_free(c->tracer, &c->rng, eye, clearance)) continue;
-        *camera = camera_at(c->views, eye, target);
-        if (!sees_hidden(c, camera)) return IGI_OK;
-    }
-    return igi_fail(ctx, IGI_E_DATA,
-                    "views: no place for a camera in %d tries; give \"eyes\", a smaller "
-                    "\"clearance\", or list the views under \"look\"",
-                    TRIES);
-}
-
 igi_status views_choose(igi_context *ctx, const view_set *views, const igi_scene *scene,
                         const igi_tracer *tracer, igi_camera **cameras, size_t *count)
 {
-    igi_status status = IGI_OK;
-    chooser c = {.views = views, .scene = scene, .tracer = tracer, .region = -1};
     *count = views->look_count ? views->look_count : (size_t)views->count;
     IGI_TRY(IGI_ALLOC(ctx, *count, cameras));
-    if (!views->look_count && !views->has_ring) IGI_TRY_GOTO(chooser_start(ctx, &c));
+    if (!views->look_count && !views->has_ring)
+        return views_place(ctx, views, scene, tracer, *cameras, *count);
     for (size_t i = 0; i < *count; i++) {
+        igi_vec target = igi_v_ofd(views->ring_centre), eye;
+        double turn = 2 * IGI_PI * (double)i / (double)*count, r = views->ring_radius;
+        eye = igi_add(target, igi_v((float)(r * cos(turn)), (float)(r * sin(turn)), (float)views->ring_height));
         if (views->look_count) {
-            (*cameras)[i] = camera_at(views, igi_v_ofd(views->look[i][0]), igi_v_ofd(views->look[i][1]));
-        } else if (views->has_ring) {
-            double turn = 2 * IGI_PI * (double)i / (double)*count, r = views->ring_radius;
-            igi_vec centre = igi_v_ofd(views->ring_centre);
-            igi_vec off = igi_v((float)(r * cos(turn)), (float)(r * sin(turn)), (float)views->ring_height);
-            (*cameras)[i] = camera_at(views, igi_add(centre, off), centre);
-        } else {
-            IGI_TRY_GOTO(choose_one(ctx, &c, &(*cameras)[i]));
+            eye = igi_v_ofd(views->look[i][0]);
+            target = igi_v_ofd(views->look[i][1]);
         }
+        (*cameras)[i] = view_camera(views, eye, target);
     }
-cleanup:
-    igi_free(c.hidden);
-    return status;
+    return IGI_OK;
 }
 
 igi_status views_save(igi_context *ctx, const igi_camera *cameras, size_t count, const char *path)
