@@ -9,18 +9,28 @@
 
 #include <stdio.h>
 
-enum { CLI_MAX_ARGUMENTS = 16 };
+enum { CLI_MAX_ARGUMENTS = 1024 };
 
 /* Every option's value, set from the table in options.c: the same option means the same in every
  * command. */
 typedef struct cli_values {
-    const char *output, *method, *model, *truth;
-    double patch, rays, map_size, target_error, time_budget, tolerance, threads, seed;
-    bool quiet, verbose, json, force, dry_run, help;
+    const char *output, *method, *model, *truth, *list, *response, *weights, *save_response;
+    const char *chessboard, *calibration;
+    double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget, tolerance, threads, seed;
+    bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat;
 } cli_values;
 
 /* One bit a command, for the table of options. */
-enum { CLI_RECOVER = 1, CLI_SYNTH = 2, CLI_VALIDATE = 4, CLI_REPORT = 8, CLI_ALL = 15 };
+enum {
+    CLI_RECOVER = 1,
+    CLI_SYNTH = 2,
+    CLI_VALIDATE = 4,
+    CLI_REPORT = 8,
+    CLI_MERGE = 16,
+    CLI_CALIBRATE = 32,
+    CLI_CORRECT = 64,
+    CLI_ALL = 127
+};
 
 typedef struct cli_session cli_session;
 
@@ -28,6 +38,7 @@ typedef struct cli_command {
     const char *name;
     unsigned bit;
     int arguments; /* how many it takes */
+    bool more;     /* or any number above */
     const char *usage, *summary, *example, *details;
     igi_status (*run)(cli_session *session);
 } cli_command;

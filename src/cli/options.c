@@ -27,8 +27,33 @@ typedef struct option {
 #define MANY 1e6
 
 static const option options[] = {
-    {"output", 'o', TEXT, CLI_RECOVER | CLI_SYNTH, AT(output), "FOLDER", NULL, 0, 0,
-     "where to write; it appears whole or not at all"},
+    {"output", 'o', TEXT, CLI_RECOVER | CLI_SYNTH | CLI_MERGE | CLI_CALIBRATE | CLI_CORRECT,
+     AT(output), "PATH", NULL, 0, 0, "where to write; it appears whole or not at all"},
+    {"list", 0, TEXT, CLI_MERGE, AT(list), "FILE", NULL, 0, 0,
+     "a line an image: NAME SECONDS [F-NUMBER [ISO]]; without it, EXIF"},
+    {"response", 0, TEXT, CLI_MERGE, AT(response),
+     "auto|linear|srgb|recovered|debevec|robertson|FILE", "auto", 0, 0,
+     "codes to light; FILE is a calibration that has a response"},
+    {"weights", 0, CHOICE, CLI_MERGE, AT(weights), "photon|debevec|robertson", "photon", 0, 0,
+     "how exposures are weighed; the last two are OpenCV's, for comparison"},
+    {"no-align", 0, FLAG, CLI_MERGE, AT(no_align), NULL, NULL, 0, 0,
+     "do not look for shifts between the exposures"},
+    {"no-refine", 0, FLAG, CLI_MERGE, AT(no_refine), NULL, NULL, 0, 0,
+     "take exposure ratios as stated, even where the pictures know better"},
+    {"full-well", 0, REAL, CLI_MERGE, AT(full_well), "ELECTRONS", "0", 0, MANY,
+     "at the highest code; 0: not known, the scatter is measured"},
+    {"read-noise", 0, REAL, CLI_MERGE, AT(read_noise), "CODES", "0", 0, 65535,
+     "standard deviation; 0: 2.5 of 256 or 12 of 65536"},
+    {"save-response", 0, TEXT, CLI_MERGE, AT(save_response), "FILE", NULL, 0, 0,
+     "write the response into this calibration"},
+    {"chessboard", 0, TEXT, CLI_CALIBRATE, AT(chessboard), "COLUMNSxROWS", NULL, 0, 0,
+     "the images show a board with so many inner corners"},
+    {"square", 0, REAL, CLI_CALIBRATE, AT(square), "METRES", "0", 0, MANY,
+     "side of the board's squares"},
+    {"flat", 0, FLAG, CLI_CALIBRATE, AT(flat), NULL, NULL, 0, 0,
+     "the images show an evenly lit surface that fills the frame"},
+    {"calibration", 0, TEXT, CLI_CORRECT, AT(calibration), "FILE", NULL, 0, 0,
+     "what igi calibrate wrote"},
     {"truth", 0, TEXT, CLI_VALIDATE, AT(truth), "FOLDER", NULL, 0, 0,
      "the scene's truth folder, with truth.json"},
     {"tolerance", 0, REAL, CLI_VALIDATE, AT(tolerance), "E", "0", 0, MANY,
@@ -51,7 +76,7 @@ static const option options[] = {
      "threads to work with; 0: one for each processor"},
     {"seed", 0, WHOLE, CLI_ALL, AT(seed), "N", "1", 0, 9007199254740992.0,
      "of all random numbers; the same seed gives the same bytes"},
-    {"force", 'f', FLAG, CLI_RECOVER | CLI_SYNTH, AT(force), NULL, NULL, 0, 0,
+    {"force", 'f', FLAG, CLI_RECOVER | CLI_SYNTH | CLI_CORRECT, AT(force), NULL, NULL, 0, 0,
      "replace a folder that igi did not write"},
     {"dry-run", 'n', FLAG, CLI_RECOVER, AT(dry_run), NULL, NULL, 0, 0,
      "check the input, say what would be done, write nothing"},
@@ -168,7 +193,10 @@ bool cli_parse(cli_session *s, int argc, char **argv)
     for (int at = 0; at < argc; at++) {
         const char *word = argv[at];
         if (only_arguments || word[0] != '-' || !word[1]) {
-            if (s->argument_count == CLI_MAX_ARGUMENTS) break;
+            if (s->argument_count == CLI_MAX_ARGUMENTS) {
+                fprintf(stderr, "igi: %s: more than %d arguments\n", word, CLI_MAX_ARGUMENTS);
+                return false;
+            }
             s->arguments[s->argument_count++] = word;
         } else if (strcmp(word, "--") == 0) {
             only_arguments = true;
@@ -176,10 +204,10 @@ bool cli_parse(cli_session *s, int argc, char **argv)
             return false;
         }
     }
-    if (s->values.help || s->argument_count == s->command->arguments) return true;
-    fprintf(stderr, "igi: %s: %d argument%s given, %d needed: igi %s\n", s->command->name,
-            s->argument_count, s->argument_count == 1 ? "" : "s", s->command->arguments,
-            s->command->usage);
+    int given = s->argument_count, needed = s->command->arguments;
+    if (s->values.help || given == needed || (s->command->more && given > needed)) return true;
+    fprintf(stderr, "igi: %s: %d argument%s given, %d%s needed: igi %s\n", s->command->name, given,
+            given == 1 ? "" : "s", needed, s->command->more ? " or more" : "", s->command->usage);
     return false;
 }
 

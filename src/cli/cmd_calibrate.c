@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * igi calibrate: lens and vignetting of a camera.
+ */
+#include "cli.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static igi_status usage(const char *sentence)
+{
+    fprintf(stderr, "igi: calibrate: %s\n", sentence);
+    return IGI_E_USAGE;
+}
+
+static bool read_board(const char *text, igi_chessboard *board)
+{
+    char *end;
+    long columns = strtol(text, &end, 10);
+    if (*end != 'x' || columns < 3 || columns > 100) return false;
+    long rows = strtol(end + 1, &end, 10);
+    if (*end || rows < 3 || rows > 100) return false;
+    board->columns = (int)columns;
+    board->rows = (int)rows;
+    return true;
+}
+
+/* What the file already says is kept: vignetting goes into the same file as the lens. */
+static igi_status load_present(cli_session *s, igi_calibration **calibration)
+{
+    FILE *file = fopen(s->values.output, "r");
+    if (!file) return IGI_OK;
+    fclose(file);
+    return igi_calibration_load(s->context, s->values.output, calibration);
+}
+
+static void print_lens(const igi_calibration *c)
+{
+    int width = 5;
+    size_t used = 0;
+    for (size_t i = 0; i < c->view_count; i++) {
+        int w = cli_text_width(c->views[i].file);
+        if (w > width) width = w;
+        used += c->views[i].used;
+    }
+    cli_print_padded("view", width);
+    puts("  rms px");
+    for (size_t i = 0; i < c->view_count; i++) {
+        const igi_calibration_view *view = &c->views[i];
+        cli_print_padded(view->file, width);
+        if (view->used) printf("  %6.3f\n", view->rms_px);
+        else if (view->rms_px > 0) printf("  %6.3f  left out: it disagrees with the others\n", view->rms_px);
+        else puts("       -  left out: no whole board in it");
+    }
+    printf("fl %.2f %.2f +- %.2f, centre %.2f %.2f +- %.2f, k1 %.4f k2 %.4f k3 %.4f\n", c->lens.fl_x,
+           c->lens.fl_y, c->deviations[0], c->lens.cx, c->lens.cy, c->deviations[2], c->lens.k1,
+           c->lens.k2, c->lens.k3);
+    printf("rms %.4f px over %zu of %zu views\n", c->rms_px, used, c->view_count);
+}
+
+static void print_json(const cli_session *s, const igi_calibration *c)
+{
+    printf("{\"output\": ");
+    cli_print_json_string(s->values.output);
+    if (c->has_lens) {
+        printf(", \"rms_px\": ");
+        cli_print_json_number(c->rms_px);
+        printf(", \"views\": [");
+        for (size_t i = 0; i < c->view_count; i++) {
+            printf("%s\n  {\"file\": ", i ? "," : "");
+            cli_print_json_string(c->views[i].file);
+            printf(", \"rms_px\": ");
+            cli_print_json_number(c->views[i].rms_px);
+            printf(", \"used\": %s}", c->views[i].used ? "true" : "false");
+        }
+        printf("]");
+    }
+    if (c->vignetting.known) {
+        printf(", \"vignetting_rms\": ");
+        cli_print_json_number(c->vignetting.rms);
+    }
+    puts("}");
+}
+
+static igi_status run(cli_session *s)
+{
+    const cli_values *v = &s->values;
+    igi_chessboard board = {0, 0, v->square};
+    igi_calibration *calibration = NULL;
+    size_t count = (size_t)s->argument_count;
+    if (!v->output) return usage("where to? give a file with -o, as calib/NAME.json");
+    if (!v->chessboard == !v->flat)
+        return usage("what do the images show? --chessboard COLUMNSxROWS, or --flat");
+    if (v->chessboard && !read_board(v->chessboard, &board))
+        return usage("--chessboard takes the inner corners, 3 to 100 a side, as 9x6");
+    if (v->chessboard && !(v->square > 0))
+        return usage("how large are the squares? --square METRES");
+    igi_status status = load_present(s, &calibration);
+    if (status == IGI_OK)
+        status = v->flat ? igi_calibrate_flat(s->context, s->arguments, count, &calibration)
+                         : igi_calibrate_chessboard(s->context, s->arguments, count, &board,
+                                                    &calibration);
+    if (status == IGI_OK) status = igi_calibration_save(s->context, calibration, v->output);
+    cli_progress_clear(&s->progress);
+    if (status == IGI_OK && v->json) print_json(s, calibration);
+    else if (status == IGI_OK && !v->quiet) {
+        const igi_vignetting *g = &calibration->vignetting;
+        if (v->chessboard) print_lens(calibration);
+        else printf("V = 1 %+.4f r^2 %+.4f r^4 %+.4f r^6 about %.1f, %.1f; rms %.4f\n", g->k[0],
+                    g->k[1], g->k[2], g->centre_x, g->centre_y, g->rms);
+    }
+    igi_calibration_destroy(calibration);
+    return status;
+}
+
+const cli_command cli_calibrate = {
+    .name = "calibrate",
+    .bit = CLI_CALIBRATE,
+    .arguments = 1,
+    .more = true,
+    .usage = "calibrate IMAGE... -o CALIB.json",
+    .summary = "distortion and vignetting of a camera",
+    .example = "igi calibrate --chessboard 9x6 --square .025 board-*.jpg -o calib/lens.json",
+    .details = "With --chessboard: focal lengths, principal point and distortion; views that disagree\n"
+               "with the others are left out. With --flat: vignetting, from evenly lit surfaces that\n"
+               "fill the frame, into the same file.",
+    .run = run,
+};
