@@ -74,7 +74,7 @@ IGI_API IGI_MUST_USE igi_status igi_materials_save_glb(igi_context *context,
 
 /* Reads what igi_materials_save wrote, or a truth folder (truth.json with "texture" maps).
  * An area light's region is its index among the materials, -1 where there is none of its name.
- * `determined` is observed > 0, `textured` is that there is a map. */
+ * `determined` is observed > 0, `textured` is that materials.json names a map. */
 IGI_API IGI_MUST_USE igi_status igi_materials_load(igi_context *context, const char *folder,
                                                    igi_materials **materials);
 IGI_API void igi_materials_destroy(igi_materials *materials);

@@ -130,6 +130,24 @@ cleanup:
     return status;
 }
 
+/* A region without texture has a map too, to be looked at; materials.json does not name it. */
+static igi_status read_plain_map(const reader *r, igi_material *m)
+{
+    char *name = NULL, *file = NULL, *path = NULL;
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(igi_region_file_name(r->ctx, m->region, &name));
+    IGI_TRY_GOTO(igi_strprintf(r->ctx, &file, "albedo/%s.exr", name));
+    IGI_TRY_GOTO(igi_strprintf(r->ctx, &path, "%s/%s", r->folder, file));
+    if (access(path, F_OK) != 0) goto cleanup;
+    IGI_TRY_GOTO(read_map(r, file, 1, &m->map));
+    IGI_TRY_GOTO(read_map_std(r, file, m));
+cleanup:
+    igi_free(name);
+    igi_free(file);
+    igi_free(path);
+    return status;
+}
+
 static igi_status read_lobe(const reader *r, const json_t *o, igi_material *m)
 {
     const char *model = json_string_value(json_object_get(o, "model"));
@@ -166,7 +184,7 @@ static igi_status read_region(const reader *r, const char *name, const json_t *o
     IGI_TRY(read_sentences(r, json_object_get(o, "warnings"), &m->warnings, &m->warning_count));
     const char *map = json_string_value(json_object_get(o, "albedo_map"));
     if (!map) map = json_string_value(json_object_get(o, "texture"));
-    if (!map) return IGI_OK;
+    if (!map) return read_plain_map(r, m);
     m->textured = true;
     IGI_TRY(read_map(r, map, 1, &m->map));
     return read_map_std(r, map, m);

@@ -41,7 +41,7 @@ static igi_status prepare(igi_context *ctx, const igi_renderer *r, const igi_mat
                         where->name, m->map->channels, r->bands);
     f->model = m->model;
     f->alpha = (float)m->alpha;
-    f->map = where->has_uvs ? m->map : NULL;
+    f->map = where->has_uvs && m->textured ? m->map : NULL;
     f->repeat = where->uvs_wrap;
     for (int b = 0; b < r->bands; b++) {
         f->albedo[b] = (float)m->albedo[b];

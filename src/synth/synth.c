@@ -111,6 +111,7 @@ static igi_status make_map(maker *m, size_t i)
     IGI_TRY_GOTO(texture_make(m->ctx, &m->spec.textures[i], bands, &image));
     IGI_TRY_GOTO(igi_image_save_exr(m->ctx, image, IGI_EXR_HALF, path));
     IGI_TRY_GOTO(igi_image_load_exr(m->ctx, path, &material->map));
+    material->textured = true;
     size_t texels = (size_t)image->width * (size_t)image->height;
     for (size_t t = 0; t < texels * (size_t)bands; t++)
         material->albedo[t % (size_t)bands] += (double)material->map->samples[t] / (double)texels;

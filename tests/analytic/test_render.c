@@ -196,6 +196,7 @@ static void small_lights(void)
 static void maps(void)
 {
     room *r = lobe_room(IGI_LAMBERT, .5, 0, 0);
+    r->list[0].textured = true;
     CHECK_OK(r->ctx, igi_image_create(r->ctx, 4, 4, 1, &r->list[0].map));
     for (int i = 0; i < 16; i++) r->list[0].map->samples[i] = (float)(i + 1) / 16;
     (void)room_light(r, (igi_light){.type = IGI_LIGHT_AMBIENT, .value = {1}});

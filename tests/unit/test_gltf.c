@@ -32,6 +32,7 @@ static igi_status save(igi_context *ctx, const char *path, igi_image *map)
                           .albedo = {.5, .4, .3},
                           .specular = .08,
                           .alpha = .25,
+                          .textured = map != NULL,
                           .map = map},
                          {.region = lamp, .emitter = true}};
     igi_light lights[] = {{.type = IGI_LIGHT_AREA, .region = 1, .known = true, .value = {10, 5, 2}},
