@@ -39,12 +39,12 @@ typedef struct igi_response {
     int low[3], high[3];
 } igi_response;
 
-IGI_API IGI_MUST_USE igi_status igi_response_create(igi_context *context, int channels,
-                                                    int levels, igi_response **response);
+IGI_API IGI_MUST_USE igi_status igi_response_create(igi_context *context, int channels, int levels,
+                                                    igi_response **response);
 IGI_API void igi_response_destroy(igi_response *response);
 
 typedef enum igi_response_kind {
-    IGI_RESPONSE_AUTO,      /* linear for raw and 16-bit photographs, else recovered */
+    IGI_RESPONSE_AUTO, /* linear for raw and 16-bit photographs, else recovered */
     IGI_RESPONSE_LINEAR,
     IGI_RESPONSE_SRGB,      /* the standard's curve (IEC 61966-2-1) */
     IGI_RESPONSE_GIVEN,     /* igi_merge_options.given */
@@ -61,21 +61,21 @@ typedef enum igi_merge_method {
 
 typedef struct igi_merge_options {
     size_t struct_size;
-    igi_response_kind response;  /* default IGI_RESPONSE_AUTO */
+    igi_response_kind response; /* default IGI_RESPONSE_AUTO */
     const igi_response *given;
-    igi_merge_method method;     /* default IGI_MERGE_PHOTON */
-    bool align;                  /* find and undo whole-pixel shifts between exposures; default */
-    bool refine;                 /* exposure ratios from the pictures where the response is known;
+    igi_merge_method method; /* default IGI_MERGE_PHOTON */
+    bool align;              /* find and undo whole-pixel shifts between exposures; default */
+    bool refine;             /* exposure ratios from the pictures where the response is known;
                                   * default. Else they are only held against what is stated */
-    double full_well_e;          /* photo-electrons at the highest code; 0: 5000, and the variance
+    double full_well_e;      /* photo-electrons at the highest code; 0: 5000, and the variance
                                   * is scaled to the scatter between the exposures */
-    double read_noise;           /* standard deviation in codes; 0: 2.5 of 256, or 12 of 65536 */
+    double read_noise;       /* standard deviation in codes; 0: 2.5 of 256, or 12 of 65536 */
 } igi_merge_options;
 
 IGI_API void igi_merge_options_init(igi_merge_options *options);
 
 typedef struct igi_merged_frame {
-    double stated, used; /* exposure h; `stated` of what was given, `used` after refining */
+    double stated, used;  /* exposure h; `stated` of what was given, `used` after refining */
     int shift_x, shift_y; /* pixels: its content stands that much further right and down than in
                            * the shortest exposure */
     double saturated;     /* fraction of its samples */

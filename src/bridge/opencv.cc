@@ -15,7 +15,8 @@ extern "C" {
 #include <new>
 #include <vector>
 
-namespace {
+namespace
+{
 
 // OpenCV prints errors before it throws them; the sentence says enough.
 int say_nothing(int, const char *, const char *, const char *, int, void *)
@@ -37,7 +38,8 @@ template <class Body> igi_status guarded(igi_context *ctx, const char *what, Bod
         return igi_fail(ctx, IGI_E_NO_ANSWER, "%s: OpenCV gave up (%.200s); check the input", what,
                         e.what());
     } catch (...) {
-        return igi_fail(ctx, IGI_E_INTERNAL, "%s: OpenCV threw what it should not; report this", what);
+        return igi_fail(ctx, IGI_E_INTERNAL, "%s: OpenCV threw what it should not; report this",
+                        what);
     }
 }
 
@@ -82,8 +84,9 @@ igi_status igi_cv_find_chessboard(igi_context *ctx, const uint8_t *grey, int wid
                                        cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE))
             return;
         const int half = window_of(points, columns);
-        cv::cornerSubPix(image, points, cv::Size(half, half), cv::Size(-1, -1),
-                         cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-3));
+        cv::cornerSubPix(
+            image, points, cv::Size(half, half), cv::Size(-1, -1),
+            cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-3));
         for (size_t i = 0; i < points.size(); i++) {
             corners[2 * i] = points[i].x;
             corners[2 * i + 1] = points[i].y;
@@ -101,7 +104,8 @@ igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
         std::vector<std::vector<cv::Point3f>> boards;
         std::vector<std::vector<cv::Point2f>> corners(views->count);
         for (size_t p = 0; p < views->points; p++)
-            board.emplace_back(views->board[3 * p], views->board[3 * p + 1], views->board[3 * p + 2]);
+            board.emplace_back(views->board[3 * p], views->board[3 * p + 1],
+                               views->board[3 * p + 2]);
         for (size_t v = 0; v < views->count; v++) {
             const float *from = views->corners + v * views->points * 2;
             for (size_t p = 0; p < views->points; p++)
@@ -114,8 +118,8 @@ igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
                                    distortion, rotations, translations, intrinsic_deviations,
                                    extrinsic_deviations, errors);
         const double fitted[IGI_CV_PARAMETERS] = {
-            camera.at<double>(0, 0), camera.at<double>(1, 1), camera.at<double>(0, 2),
-            camera.at<double>(1, 2), distortion.at<double>(0), distortion.at<double>(1),
+            camera.at<double>(0, 0),  camera.at<double>(1, 1),  camera.at<double>(0, 2),
+            camera.at<double>(1, 2),  distortion.at<double>(0), distortion.at<double>(1),
             distortion.at<double>(2), distortion.at<double>(3), distortion.at<double>(4)};
         for (int i = 0; i < IGI_CV_PARAMETERS; i++) {
             parameters[i] = fitted[i];

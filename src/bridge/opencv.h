@@ -21,10 +21,10 @@ IGI_MUST_USE igi_status igi_cv_find_chessboard(igi_context *ctx, const uint8_t *
 #define IGI_CV_PARAMETERS 9 /* fx fy cx cy k1 k2 p1 p2 k3 */
 
 typedef struct igi_cv_views {
-    int width, height;     /* of the photographs */
-    size_t count, points;  /* views, and points a view */
-    const float *board;    /* [points][3] in the board's own axes */
-    const float *corners;  /* [count][points][2] pixels */
+    int width, height;    /* of the photographs */
+    size_t count, points; /* views, and points a view */
+    const float *board;   /* [points][3] in the board's own axes */
+    const float *corners; /* [count][points][2] pixels */
 } igi_cv_views;
 
 /* Zhang's method. *rms over all points; view_rms[count]; deviations of the parameters. */

@@ -49,12 +49,13 @@ static void print_lens(const igi_calibration *c)
         const igi_calibration_view *view = &c->views[i];
         cli_print_padded(view->file, width);
         if (view->used) printf("  %6.3f\n", view->rms_px);
-        else if (view->rms_px > 0) printf("  %6.3f  left out: it disagrees with the others\n", view->rms_px);
+        else if (view->rms_px > 0)
+            printf("  %6.3f  left out: it disagrees with the others\n", view->rms_px);
         else puts("       -  left out: no whole board in it");
     }
-    printf("fl %.2f %.2f +- %.2f, centre %.2f %.2f +- %.2f, k1 %.4f k2 %.4f k3 %.4f\n", c->lens.fl_x,
-           c->lens.fl_y, c->deviations[0], c->lens.cx, c->lens.cy, c->deviations[2], c->lens.k1,
-           c->lens.k2, c->lens.k3);
+    printf("fl %.2f %.2f +- %.2f, centre %.2f %.2f +- %.2f, k1 %.4f k2 %.4f k3 %.4f\n",
+           c->lens.fl_x, c->lens.fl_y, c->deviations[0], c->lens.cx, c->lens.cy, c->deviations[2],
+           c->lens.k1, c->lens.k2, c->lens.k3);
     printf("rms %.4f px over %zu of %zu views\n", c->rms_px, used, c->view_count);
 }
 
@@ -106,8 +107,9 @@ static igi_status run(cli_session *s)
     else if (status == IGI_OK && !v->quiet) {
         const igi_vignetting *g = &calibration->vignetting;
         if (v->chessboard) print_lens(calibration);
-        else printf("V = 1 %+.4f r^2 %+.4f r^4 %+.4f r^6 about %.1f, %.1f; rms %.4f\n", g->k[0],
-                    g->k[1], g->k[2], g->centre_x, g->centre_y, g->rms);
+        else
+            printf("V = 1 %+.4f r^2 %+.4f r^4 %+.4f r^6 about %.1f, %.1f; rms %.4f\n", g->k[0],
+                   g->k[1], g->k[2], g->centre_x, g->centre_y, g->rms);
     }
     igi_calibration_destroy(calibration);
     return status;
@@ -121,8 +123,9 @@ const cli_command cli_calibrate = {
     .usage = "calibrate IMAGE... -o CALIB.json",
     .summary = "distortion and vignetting of a camera",
     .example = "igi calibrate --chessboard 9x6 --square .025 board-*.jpg -o calib/lens.json",
-    .details = "With --chessboard: focal lengths, principal point and distortion; views that disagree\n"
-               "with the others are left out. With --flat: vignetting, from evenly lit surfaces that\n"
-               "fill the frame, into the same file.",
+    .details =
+        "With --chessboard: focal lengths, principal point and distortion; views that disagree\n"
+        "with the others are left out. With --flat: vignetting, from evenly lit surfaces that\n"
+        "fill the frame, into the same file.",
     .run = run,
 };

@@ -36,10 +36,12 @@ static igi_status correct(cli_session *s, const igi_calibration *calibration, co
     char path[4096];
     igi_image *image = NULL, *corrected = NULL;
     igi_status status = igi_image_load_exr(s->context, from, &image);
-    if (status == IGI_OK && (image->width != calibration->width || image->height != calibration->height)) {
-        fprintf(stderr, "igi: %s: %d x %d pixels, and the calibration is for %d x %d; use the full "
-                        "size, uncropped\n", from, image->width, image->height, calibration->width,
-                calibration->height);
+    if (status == IGI_OK &&
+        (image->width != calibration->width || image->height != calibration->height)) {
+        fprintf(stderr,
+                "igi: %s: %d x %d pixels, and the calibration is for %d x %d; use the full "
+                "size, uncropped\n",
+                from, image->width, image->height, calibration->width, calibration->height);
         status = IGI_E_DATA;
     }
     if (status == IGI_OK) status = igi_correct(s->context, calibration, image, &corrected, NULL);
@@ -81,7 +83,8 @@ static igi_status run(cli_session *s)
     igi_calibration *calibration = NULL;
     igi_output *output = NULL;
     if (!s->values.output) return usage("where to? give a folder with -o");
-    if (!s->values.calibration) return usage("by what? give what igi calibrate wrote with --calibration");
+    if (!s->values.calibration)
+        return usage("by what? give what igi calibrate wrote with --calibration");
     if (!names_differ(s)) return IGI_E_USAGE;
     igi_status status = igi_calibration_load(s->context, s->values.calibration, &calibration);
     if (status == IGI_OK)
@@ -109,7 +112,8 @@ const cli_command cli_correct = {
     .usage = "correct IMAGE... -o FOLDER",
     .summary = "radiance images without distortion and vignetting",
     .example = "igi correct --calibration calib/lens.json images/*.exr -o corrected",
-    .details = "FOLDER receives the images under their names, resampled once, variances carried along,\n"
-               "and camera.json: the pinhole that they now show.",
+    .details =
+        "FOLDER receives the images under their names, resampled once, variances carried along,\n"
+        "and camera.json: the pinhole that they now show.",
     .run = run,
 };

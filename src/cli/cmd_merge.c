@@ -42,7 +42,8 @@ static igi_status set_options(cli_session *s, igi_merge_options *options,
     igi_status status = igi_calibration_load(s->context, v->response, calibration);
     if (status != IGI_OK) return status;
     if (!(*calibration)->response) {
-        fprintf(stderr, "igi: %s: has no response; merge with --save-response first\n", v->response);
+        fprintf(stderr, "igi: %s: has no response; merge with --save-response first\n",
+                v->response);
         return IGI_E_DATA;
     }
     options->response = IGI_RESPONSE_GIVEN;
@@ -116,7 +117,8 @@ static void print_table(const cli_session *s, const igi_exposure *exposures,
     for (size_t i = 0; i < merged->count; i++) {
         const igi_merged_frame *f = &merged->frames[i];
         cli_print_padded(base_name(exposures[i].path), width);
-        printf("  %10.6g  %11.4f  %3d, %3d  ", f->stated, f->used / f->stated, f->shift_x, f->shift_y);
+        printf("  %10.6g  %11.4f  %3d, %3d  ", f->stated, f->used / f->stated, f->shift_x,
+               f->shift_y);
         cli_print_percent(f->saturated, 9);
         puts("");
     }
@@ -155,9 +157,10 @@ const cli_command cli_merge = {
     .usage = "merge IMAGE... -o OUT.exr",
     .summary = "a bracket of exposures to one radiance image",
     .example = "igi merge desk-*.jpg -o desk.exr",
-    .details = "JPEG, PNG, TIFF or raw photographs of one place at several exposures. OUT.exr receives\n"
-               "radiance (R G B; full scale over exposure, so that all brackets of a camera share one\n"
-               "unit), \"saturated\" where even the shortest exposure was, and \"variance.R\" ...\n"
-               "Exposures that the pictures contradict are refused by name.",
+    .details =
+        "JPEG, PNG, TIFF or raw photographs of one place at several exposures. OUT.exr receives\n"
+        "radiance (R G B; full scale over exposure, so that all brackets of a camera share one\n"
+        "unit), \"saturated\" where even the shortest exposure was, and \"variance.R\" ...\n"
+        "Exposures that the pictures contradict are refused by name.",
     .run = run,
 };

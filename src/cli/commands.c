@@ -7,5 +7,6 @@
 extern const cli_command cli_calibrate, cli_correct, cli_merge, cli_recover, cli_report, cli_synth,
     cli_validate;
 
-const cli_command *const cli_commands[] = {&cli_merge,    &cli_calibrate, &cli_correct, &cli_recover,
-                                           &cli_validate, &cli_report,    &cli_synth,   NULL};
+const cli_command *const cli_commands[] = {
+    &cli_merge,    &cli_calibrate, &cli_correct, &cli_recover,
+    &cli_validate, &cli_report,    &cli_synth,   NULL};

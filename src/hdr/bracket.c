@@ -39,7 +39,8 @@ static igi_status order_exposures(igi_context *ctx, const igi_exposure *exposure
 {
     for (size_t i = 0; i < count; i++) {
         const igi_exposure *e = &exposures[i];
-        if (!(e->time_s > 0 && e->time_s < 1e6) || (e->f_number > 0) != (exposures[0].f_number > 0) ||
+        if (!(e->time_s > 0 && e->time_s < 1e6) ||
+            (e->f_number > 0) != (exposures[0].f_number > 0) ||
             (e->iso > 0) != (exposures[0].iso > 0))
             return igi_fail(ctx, IGI_E_DATA,
                             "%s: its exposure time is not positive, or it alone has, or lacks, an "
@@ -189,8 +190,10 @@ static igi_status judge_exposures(igi_context *ctx, job *j)
         return igi_fail(ctx, IGI_E_DATA, "%s: false exposures: %s%s; correct the times",
                         j->frames[first + 1].exposure->path, wrong, more ? ", and more" : "");
     if (odd[0])
-        igi_warn(ctx, "the camera processed the photographs differently (%s): the radiance is "
-                      "rough; merge raw files where you have them", odd);
+        igi_warn(ctx,
+                 "the camera processed the photographs differently (%s): the radiance is "
+                 "rough; merge raw files where you have them",
+                 odd);
     return IGI_OK;
 }
 
@@ -219,14 +222,17 @@ static igi_status settle_exposures(igi_context *ctx, job *j)
 {
     igi_bracket *bracket = &j->bracket;
     if (bracket->count < 2 && !j->response)
-        return igi_fail(ctx, IGI_E_DATA, "%s: one photograph alone tells no response; give it, or "
-                        "say --response srgb", j->frames[0].exposure->path);
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: one photograph alone tells no response; give it, or "
+                        "say --response srgb",
+                        j->frames[0].exposure->path);
     if (bracket->count < 2) return IGI_OK;
     j->fitted = !j->response;
     if (j->fitted) IGI_TRY(igi_hdr_recover_response(ctx, bracket, &j->response));
     IGI_TRY(judge_exposures(ctx, j));
     if (!j->fitted && j->options->refine) use_measured_ratios(bracket);
-    if (j->options->response != IGI_RESPONSE_DEBEVEC && j->options->response != IGI_RESPONSE_ROBERTSON)
+    if (j->options->response != IGI_RESPONSE_DEBEVEC &&
+        j->options->response != IGI_RESPONSE_ROBERTSON)
         return IGI_OK;
     igi_response_destroy(j->response);
     return igi_hdr_compare_response(ctx, j->exposures, bracket->count,
@@ -312,8 +318,7 @@ igi_status igi_merge(igi_context *ctx, const igi_exposure *exposures, size_t cou
     for (size_t i = 0; i < count; i++) made->frames[i].stated = igi_hdr_exposure(&exposures[i]);
     IGI_TRY_GOTO(first_pass(ctx, &j));
     IGI_TRY_GOTO(settle_exposures(ctx, &j));
-    if (j.options->method == IGI_MERGE_PHOTON)
-        IGI_TRY_GOTO(second_pass(ctx, &j, made));
+    if (j.options->method == IGI_MERGE_PHOTON) IGI_TRY_GOTO(second_pass(ctx, &j, made));
     else
         IGI_TRY_GOTO(igi_hdr_compare_merge(ctx, exposures, count, j.response,
                                            j.options->method == IGI_MERGE_ROBERTSON, &made->image));

@@ -36,7 +36,8 @@ static igi_status add_photo(igi_context *ctx, stack *s, size_t index, const char
         photo->height != s->bracket.height)
         status = igi_fail(ctx, IGI_E_DATA,
                           "%s: Debevec's and Robertson's methods take 8-bit colour photographs of "
-                          "one size; leave the method at its default", path);
+                          "one size; leave the method at its default",
+                          path);
     else status = IGI_ALLOC(ctx, count, &s->photos[index]);
     for (size_t i = 0; status == IGI_OK && i < count; i++)
         s->photos[index][i] = (uint8_t)photo->codes[i];
@@ -44,7 +45,8 @@ static igi_status add_photo(igi_context *ctx, stack *s, size_t index, const char
     return status;
 }
 
-static igi_status load_stack(igi_context *ctx, const igi_exposure *exposures, size_t count, stack *s)
+static igi_status load_stack(igi_context *ctx, const igi_exposure *exposures, size_t count,
+                             stack *s)
 {
     IGI_TRY(IGI_ALLOC(ctx, count, &s->photos));
     s->bracket.count = count;
@@ -94,7 +96,8 @@ igi_status igi_hdr_compare_merge(igi_context *ctx, const igi_exposure *exposures
     *image = NULL;
     IGI_TRY_GOTO(load_stack(ctx, exposures, count, &s));
     for (int z = 0; z < 256; z++) /* the logarithm of 0 is no help to Debevec's method */
-        for (int c = 0; c < 3; c++) curve[3 * z + c] = fmaxf(response->exposure[c * 256 + z], 1e-6f);
+        for (int c = 0; c < 3; c++)
+            curve[3 * z + c] = fmaxf(response->exposure[c * 256 + z], 1e-6f);
     IGI_TRY_GOTO(igi_image_create(ctx, s.bracket.width, s.bracket.height, 3, image));
     IGI_TRY_GOTO(igi_cv_merge(ctx, &s.bracket, curve, robertson, (*image)->samples));
 cleanup:

@@ -56,8 +56,8 @@ static igi_status read_line(igi_context *ctx, const char *list, int line, char *
         return igi_fail(ctx, IGI_E_DATA,
                         "%s:%d: no exposure time for '%s'; write NAME SECONDS [F-NUMBER [ISO]]",
                         list, line, text);
-    if ((*rest && !read_number(&rest, &out->f_number)) || (*rest && !read_number(&rest, &out->iso)) ||
-        *rest)
+    if ((*rest && !read_number(&rest, &out->f_number)) ||
+        (*rest && !read_number(&rest, &out->iso)) || *rest)
         return igi_fail(ctx, IGI_E_DATA,
                         "%s:%d: '%s' is followed by what is no number, or by too many; write NAME "
                         "SECONDS [F-NUMBER [ISO]]",

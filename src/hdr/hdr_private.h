@@ -33,10 +33,10 @@ typedef struct igi_bracket {
     size_t count;
     int channels, levels;
     bool linear;
-    double *log_h;           /* [count] stated, natural */
-    double *log_ratio;       /* [count-1] as the pictures show it; NaN: they do not */
-    igi_comparagram *pairs;  /* [count-1] */
-    igi_shift *shifts;       /* [count] against the shortest */
+    double *log_h;          /* [count] stated, natural */
+    double *log_ratio;      /* [count-1] as the pictures show it; NaN: they do not */
+    igi_comparagram *pairs; /* [count-1] */
+    igi_shift *shifts;      /* [count] against the shortest */
 } igi_bracket;
 
 /* The response from the comparagrams and the stated exposures; fills log_ratio. */

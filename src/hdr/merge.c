@@ -81,8 +81,8 @@ igi_status igi_accumulator_prepare(igi_context *ctx, const igi_photo *shape,
     double from = model->fitted ? FITTED_FADE_FROM : FADE_FROM;
     double to = model->fitted ? FITTED_FADE_TO : FADE_TO;
     acc->channels = shape->channels;
-    IGI_TRY(igi_image_create(ctx, shape->width, shape->height, 2 * shape->channels + 1,
-                             &acc->image));
+    IGI_TRY(
+        igi_image_create(ctx, shape->width, shape->height, 2 * shape->channels + 1, &acc->image));
     IGI_TRY(IGI_ALLOC(ctx, (size_t)levels, &acc->fade));
     for (int z = 0; z < levels; z++) {
         double at = (double)z / (levels - 1);

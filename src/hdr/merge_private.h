@@ -13,17 +13,17 @@
 
 typedef struct noise_model {
     double full_well_e, read_noise; /* as in igi_merge_options, both > 0 */
-    bool fitted; /* the response was recovered from the bracket */
+    bool fitted;                    /* the response was recovered from the bracket */
 } noise_model;
 
 typedef struct accumulator {
     igi_image *image; /* the result, whose channels hold the sums meanwhile */
     int channels;
-    float *fade;                  /* [levels] weight towards saturation */
-    float noise[3][NOISE_SIZE];   /* variance of an exposure */
-    float floor[3];               /* exposure below which a sample is not worth its bias */
+    float *fade;                /* [levels] weight towards saturation */
+    float noise[3][NOISE_SIZE]; /* variance of an exposure */
+    float floor[3];             /* exposure below which a sample is not worth its bias */
     uint64_t residuals[RESIDUAL_BINS];
-    uint64_t samples, saturated;  /* of the photograph added last */
+    uint64_t samples, saturated; /* of the photograph added last */
 } accumulator;
 
 IGI_MUST_USE igi_status igi_accumulator_prepare(igi_context *ctx, const igi_photo *shape,

@@ -110,7 +110,8 @@ static double disagreement(const uint32_t *counts, size_t channels, double *shar
 }
 
 static igi_status disagree_at(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                              igi_shift shift, igi_comparagram *scratch, double *value, double *share)
+                              igi_shift shift, igi_comparagram *scratch, double *value,
+                              double *share)
 {
     IGI_TRY(igi_comparagram_fill(ctx, a, b, shift, 2e5, scratch));
     *value = disagreement(scratch->counts, (size_t)a->channels, share);
@@ -120,8 +121,7 @@ static igi_status disagree_at(igi_context *ctx, const igi_photo *a, const igi_ph
 /* Of all samples; fewer that are well exposed in both photographs cannot tell a shift. */
 #define LEAST_SHARE .05
 
-igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                         igi_shift *shift)
+igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *b, igi_shift *shift)
 {
     /* Coarse to fine around the best so far. A shift must earn its place: a tenth less
      * disagreement than none at all. */
@@ -136,7 +136,8 @@ igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *
     for (size_t i = 0; share > LEAST_SHARE && i < sizeof steps / sizeof steps[0]; i++) {
         igi_shift centre = best;
         for (int k = 0; k < 9; k++) {
-            igi_shift tried = {centre.x + (k % 3 - 1) * steps[i], centre.y + (k / 3 - 1) * steps[i]};
+            igi_shift tried = {centre.x + (k % 3 - 1) * steps[i],
+                               centre.y + (k / 3 - 1) * steps[i]};
             double value, ignored;
             if (k == 4) continue;
             IGI_TRY_GOTO(disagree_at(ctx, a, b, tried, &scratch, &value, &ignored));

@@ -41,8 +41,7 @@ igi_status igi_response_create(igi_context *ctx, int channels, int levels, igi_r
     for (int c = 0; c < channels; c++) {
         made->high[c] = levels - 1;
         for (int z = 0; z < levels; z++)
-            made->exposure[(size_t)c * (size_t)levels + (size_t)z] =
-                (float)z / (float)(levels - 1);
+            made->exposure[(size_t)c * (size_t)levels + (size_t)z] = (float)z / (float)(levels - 1);
     }
     *response = made;
     made = NULL;
@@ -291,7 +290,8 @@ static igi_status solve_robustly(igi_context *ctx, igi_bracket *bracket, equatio
             total += weight[p];
         }
         for (size_t p = 0; p < pairs; p++) {
-            double stated = bracket->log_h[p + 1] - bracket->log_h[p], *seen = &bracket->log_ratio[p];
+            double stated = bracket->log_h[p + 1] - bracket->log_h[p],
+                   *seen = &bracket->log_ratio[p];
             if (weight[p] < LEAST_SHARE * total)
                 *seen = stated > .17 && looks_equal(bracket, p) ? 0 : (double)NAN;
             double off = isnan(*seen) ? 0 : (*seen - stated) / TRUST_WIDTH;
@@ -301,8 +301,7 @@ static igi_status solve_robustly(igi_context *ctx, igi_bracket *bracket, equatio
     return IGI_OK;
 }
 
-igi_status igi_hdr_recover_response(igi_context *ctx, igi_bracket *bracket,
-                                    igi_response **response)
+igi_status igi_hdr_recover_response(igi_context *ctx, igi_bracket *bracket, igi_response **response)
 {
     igi_status status = IGI_OK;
     equations *channels = NULL;

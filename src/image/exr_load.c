@@ -158,8 +158,7 @@ static void spread(const decoding *d, int channel)
             float fx = x < x_first ? 0 : (float)((x - x_first) % xs) / (float)xs;
             const float *a = plane + (size_t)r0 * (size_t)columns;
             const float *b = plane + (size_t)r1 * (size_t)columns;
-            *to = (1 - fy) * ((1 - fx) * a[c0] + fx * a[c1]) +
-                  fy * ((1 - fx) * b[c0] + fx * b[c1]);
+            *to = (1 - fy) * ((1 - fx) * a[c0] + fx * a[c1]) + fy * ((1 - fx) * b[c0] + fx * b[c1]);
         }
     }
 }
@@ -182,8 +181,8 @@ static igi_status convert_colours(igi_context *ctx, const igi_exr_source *from,
 {
     double to_xyz[3][3], m[3][3];
     if (!l->rgb || (!l->luma_chroma && !l->has_chromaticities)) return IGI_OK;
-    if (!igi_rgb_to_xyz(&l->chromaticities, to_xyz) ||
-        !igi_rgb_to_rec709(&l->chromaticities, m) || !(to_xyz[1][1] > 0))
+    if (!igi_rgb_to_xyz(&l->chromaticities, to_xyz) || !igi_rgb_to_rec709(&l->chromaticities, m) ||
+        !(to_xyz[1][1] > 0))
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: its chromaticities span no colour space; correct that attribute",
                         from->name);

@@ -51,8 +51,8 @@ static void keep_message(exr_const_context_t file, exr_result_t code, const char
 igi_status igi_exr_fail(igi_context *ctx, const igi_exr_source *from, exr_result_t code)
 {
     /* Also for EXR_ERR_OUT_OF_MEMORY: OpenEXR's decoders mean a block that claims too much. */
-    return igi_fail(ctx, IGI_E_DATA,
-                    "%s: not a whole OpenEXR image (%s); export or copy it again", from->name,
+    return igi_fail(ctx, IGI_E_DATA, "%s: not a whole OpenEXR image (%s); export or copy it again",
+                    from->name,
                     from->message[0] ? from->message : exr_get_default_error_message(code));
 }
 
@@ -163,8 +163,10 @@ static igi_status arrange_channels(igi_context *ctx, const igi_exr_source *from,
         out->y_step[i] = entry->y_sampling;
         if (prefix > 0 && strncmp(name, base, (size_t)prefix) == 0) name += prefix;
         if (out->luma_chroma) /* each chroma takes the place of the colour it becomes */
-            name = strcmp(name, "RY") == 0 ? "R" : strcmp(name, "BY") == 0 ? "B"
-                   : strcmp(name, "Y") == 0 ? "G" : name;
+            name = strcmp(name, "RY") == 0   ? "R"
+                   : strcmp(name, "BY") == 0 ? "B"
+                   : strcmp(name, "Y") == 0  ? "G"
+                                             : name;
         ranks[i] = rank(name, "RGBYA");
         out->slot[i] = 0;
         for (int j = 0; j < i; j++) /* the file's order is by name: equal ranks keep it */
@@ -179,7 +181,7 @@ static igi_status arrange_channels(igi_context *ctx, const igi_exr_source *from,
 }
 
 igi_status igi_exr_read_header(igi_context *ctx, const igi_exr_source *from, exr_context_t file,
-                              igi_exr_layout *out)
+                               igi_exr_layout *out)
 {
     exr_storage_t storage;
     exr_attr_box2i_t box;

@@ -39,8 +39,7 @@ typedef struct igi_exr_layout {
 } igi_exr_layout;
 
 /* Opens the file at `path` for igi_exr_open; from->fd is then the caller's to close. */
-IGI_MUST_USE igi_status igi_exr_open_file(igi_context *ctx, const char *path,
-                                          igi_exr_source *from);
+IGI_MUST_USE igi_status igi_exr_open_file(igi_context *ctx, const char *path, igi_exr_source *from);
 /* *file is the caller's, for exr_finish, and uses `from` as long as it lives. */
 IGI_MUST_USE igi_status igi_exr_open(igi_context *ctx, igi_exr_source *from, exr_context_t *file);
 /* Everything that the header claims is held against igi's limits here. */

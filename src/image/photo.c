@@ -33,8 +33,8 @@ igi_status igi_photo_shape(igi_context *ctx, const char *path, const double size
 igi_status igi_photo_broken(igi_context *ctx, const char *path, const char *kind,
                             const char *message)
 {
-    return igi_fail(ctx, IGI_E_DATA, "%s: not a whole %s (%s); copy or export it again", path,
-                    kind, message);
+    return igi_fail(ctx, IGI_E_DATA, "%s: not a whole %s (%s); copy or export it again", path, kind,
+                    message);
 }
 
 static double exif_number(ExifData *exif, ExifTag tag)
@@ -103,8 +103,10 @@ static igi_status read_photo(igi_context *ctx, const char *path, bool pixels, ig
         goto cleanup;
     }
     if (!S_ISREG(about.st_mode) || fread(magic, 1, sizeof magic, file) < sizeof magic) {
-        status = igi_fail(ctx, IGI_E_DATA, "%s: not a photograph; name a JPEG, PNG, TIFF or raw "
-                          "file", path);
+        status = igi_fail(ctx, IGI_E_DATA,
+                          "%s: not a photograph; name a JPEG, PNG, TIFF or raw "
+                          "file",
+                          path);
         goto cleanup;
     }
     rewind(file);

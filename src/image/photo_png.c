@@ -55,7 +55,8 @@ static void read_pixels(reading *r, png_structp png, png_infop info)
     size_t bytes = photo->levels == 256 ? 1 : 2;
     if (png_get_rowbytes(png, info) != width * bytes) png_error(png, "unexpected row size");
     r->status = IGI_ALLOC(r->ctx, height, &r->rows);
-    if (r->status == IGI_OK && bytes == 1) r->status = IGI_ALLOC(r->ctx, width * height, &r->buffer);
+    if (r->status == IGI_OK && bytes == 1)
+        r->status = IGI_ALLOC(r->ctx, width * height, &r->buffer);
     if (r->status != IGI_OK) longjmp(r->out, 1);
     for (size_t y = 0; y < height; y++)
         r->rows[y] = bytes == 1 ? r->buffer + y * width : (png_bytep)(photo->codes + y * width);
@@ -67,7 +68,10 @@ static void read_pixels(reading *r, png_structp png, png_infop info)
 /* False after stop(): the reason is in r->status. */
 static bool decode(reading *r, png_structp png, png_infop info, FILE *file)
 {
-    static const union { uint16_t word; uint8_t byte; } endian = {1};
+    static const union {
+        uint16_t word;
+        uint8_t byte;
+    } endian = {1};
     if (setjmp(r->out)) return false;
     png_init_io(png, file);
     png_read_info(png, info);

@@ -46,7 +46,8 @@ static bool read_words(igi_context *ctx, TIFF *tiff, int samples, igi_photo *pho
         whole = TIFFReadScanline(tiff, row, y, 0) == 1;
         uint16_t *to = photo->codes + (size_t)y * width * channels;
         for (size_t x = 0; whole && x < width; x++)
-            for (size_t c = 0; c < channels; c++) to[x * channels + c] = row[x * (size_t)samples + c];
+            for (size_t c = 0; c < channels; c++)
+                to[x * channels + c] = row[x * (size_t)samples + c];
     }
     igi_free(row);
     return whole;
@@ -57,9 +58,9 @@ static bool read_converted(igi_context *ctx, TIFF *tiff, igi_photo *photo, igi_s
     size_t pixels = (size_t)photo->width * (size_t)photo->height;
     uint32_t *rgba = NULL;
     *status = IGI_ALLOC(ctx, pixels, &rgba);
-    bool whole = rgba && TIFFReadRGBAImageOriented(tiff, (uint32_t)photo->width,
-                                                   (uint32_t)photo->height, rgba,
-                                                   ORIENTATION_TOPLEFT, 1) == 1;
+    bool whole = rgba &&
+                 TIFFReadRGBAImageOriented(tiff, (uint32_t)photo->width, (uint32_t)photo->height,
+                                           rgba, ORIENTATION_TOPLEFT, 1) == 1;
     for (size_t i = 0; whole && i < pixels; i++) {
         uint16_t *to = photo->codes + i * (size_t)photo->channels;
         to[0] = (uint16_t)TIFFGetR(rgba[i]);
@@ -91,7 +92,8 @@ static igi_status decode(igi_context *ctx, const char *path, TIFF *tiff, bool pi
     if (bits > 8 && !words)
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: a TIFF of %d bits that is tiled, planar or not of 16-bit integers; "
-                        "save it as plain 16-bit RGB, or as OpenEXR", path, bits);
+                        "save it as plain 16-bit RGB, or as OpenEXR",
+                        path, bits);
     const double size[2] = {width, height};
     IGI_TRY(igi_photo_shape(ctx, path, size, grey ? 1 : 3, words ? 65536 : 256, pixels, photo));
     read_metadata(tiff, photo);

@@ -62,9 +62,8 @@ static bool write_png(writing *w, png_structp png, png_infop info, const uint8_t
     png_set_write_fn(png, w, append, flush);
     png_set_compression_level(png, 3);
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-    png_set_IHDR(png, info, (png_uint_32)shape[0], (png_uint_32)shape[1], 8,
-                 colour_types[shape[2]], PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, (png_uint_32)shape[0], (png_uint_32)shape[1], 8, colour_types[shape[2]],
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(png, info);
     for (size_t y = 0; y < (size_t)shape[1]; y++)
@@ -89,8 +88,10 @@ igi_status igi_image_encode_png(igi_context *ctx, const uint8_t *pixels, int wid
     png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, stop, ignore);
     if (png) info = png_create_info_struct(png);
     if (!info) {
-        status = igi_fail(ctx, IGI_E_SYSTEM, "png: no memory to encode %d x %d pixels; use a "
-                          "smaller image", width, height);
+        status = igi_fail(ctx, IGI_E_SYSTEM,
+                          "png: no memory to encode %d x %d pixels; use a "
+                          "smaller image",
+                          width, height);
     } else if (!write_png(&w, png, info, pixels, shape)) {
         status = w.status;
     } else {

@@ -108,7 +108,8 @@ static json_t *pack_vignetting(const igi_vignetting *v)
 
 static json_t *pack_response(const igi_response *r)
 {
-    json_t *object = json_object(), *low = json_array(), *high = json_array(), *curves = json_array();
+    json_t *object = json_object(), *low = json_array(), *high = json_array(),
+           *curves = json_array();
     json_object_set_new(object, "levels", json_integer(r->levels));
     for (int c = 0; c < r->channels; c++) {
         json_t *curve = json_array();
@@ -142,8 +143,10 @@ igi_status igi_calibration_save(igi_context *ctx, const igi_calibration *calibra
     IGI_TRY_GOTO(igi_strprintf(ctx, &beside, "%s.%ld.part", path, (long)getpid()));
     if (!root || json_dump_file(root, beside, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) != 0 ||
         rename(beside, path) != 0) {
-        status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the "
-                          "disk", path, strerror(errno));
+        status = igi_fail(ctx, IGI_E_SYSTEM,
+                          "%s: cannot be written (%s); check the folder and the "
+                          "disk",
+                          path, strerror(errno));
         (void)unlink(beside);
     }
 cleanup:
@@ -281,7 +284,8 @@ static igi_status read_all(igi_context *ctx, const igi_json *root, igi_calibrati
     igi_json igi = igi_json_member(root, "igi"), camera = igi_json_member(root, "camera");
     IGI_TRY(igi_json_object(ctx, root));
     IGI_TRY(igi_json_number(ctx, &igi, &version));
-    if (version != 1) return igi_json_fail(ctx, &igi, "is %g; this program reads version 1", version);
+    if (version != 1)
+        return igi_json_fail(ctx, &igi, "is %g; this program reads version 1", version);
     IGI_TRY(read_size(ctx, root, "w", &width));
     IGI_TRY(read_size(ctx, root, "h", &height));
     IGI_TRY(igi_calibration_create(ctx, width, height, calibration));

@@ -169,7 +169,8 @@ igi_status igi_calibrate_chessboard(igi_context *ctx, const char *const *paths, 
         !(board->square_m > 0) || count < 1 || count > MOST_VIEWS)
         return igi_fail(ctx, IGI_E_USAGE,
                         "chessboard: 3 to 100 inner corners a side, a positive square and at most "
-                        "%d photographs, please", MOST_VIEWS);
+                        "%d photographs, please",
+                        MOST_VIEWS);
     igi_stage_begin(ctx, "chessboard");
     IGI_TRY_GOTO(prepare(ctx, &s, count));
     for (size_t i = 0; i < count; i++) {

@@ -49,8 +49,8 @@ static int clamp(int x, int size)
 }
 
 /* One channel at the place whose surrounding pixels are given by index and weight. */
-static float read_channel(const job *j, int channel, const size_t at[4][4], const double weights[4][4],
-                          const double gains[4][4])
+static float read_channel(const job *j, int channel, const size_t at[4][4],
+                          const double weights[4][4], const double gains[4][4])
 {
     const float *samples = j->image->samples + channel;
     size_t stride = (size_t)j->image->channels;
@@ -82,14 +82,14 @@ static igi_status correct_row(igi_context *ctx, void *user, size_t row, int work
     (void)ctx;
     (void)worker;
     for (int column = 0; column < width; column++) {
-        float *to = j->out->samples + (row * (size_t)width + (size_t)column) *
-                                          (size_t)j->out->channels;
+        float *to = j->out->samples +
+                    (row * (size_t)width + (size_t)column) * (size_t)j->out->channels;
         igi_vec p = igi_v((float)((column + .5 - lens->cx) / lens->fl_x),
                           (float)(-((double)row + .5 - lens->cy) / lens->fl_y), -1);
         double x = column + .5, y = (double)row + .5, wx[4], wy[4], weights[4][4], gains[4][4];
         size_t at[4][4];
-        if (j->calibration->has_lens &&
-            (!igi_camera_project(lens, p, &x, &y) || !(x >= 0 && y >= 0 && x <= width && y <= height)))
+        if (j->calibration->has_lens && (!igi_camera_project(lens, p, &x, &y) ||
+                                         !(x >= 0 && y >= 0 && x <= width && y <= height)))
             continue; /* the photograph does not reach there: black */
         int x0 = (int)floor(x - .5), y0 = (int)floor(y - .5);
         cubic_weights(x - .5 - x0, wx);
@@ -122,8 +122,8 @@ static igi_camera lens_at_origin(const igi_calibration *c)
     return lens;
 }
 
-igi_status igi_correct(igi_context *ctx, const igi_calibration *calibration,
-                       const igi_image *image, igi_image **corrected, igi_camera *camera)
+igi_status igi_correct(igi_context *ctx, const igi_calibration *calibration, const igi_image *image,
+                       igi_image **corrected, igi_camera *camera)
 {
     igi_status status = IGI_OK;
     job j = {calibration, image, NULL, lens_at_origin(calibration), {COLOUR}};

@@ -19,8 +19,7 @@
 static double exposure_of(const igi_photo *photo, const igi_response *response, size_t channel,
                           uint16_t code)
 {
-    if (response)
-        return (double)response->exposure[channel * (size_t)response->levels + code];
+    if (response) return (double)response->exposure[channel * (size_t)response->levels + code];
     return (double)code / (photo->levels - 1);
 }
 
@@ -58,8 +57,8 @@ static igi_status add_flat(igi_context *ctx, const char *path, igi_calibration *
     IGI_TRY_GOTO(igi_photo_load(ctx, path, &photo));
     IGI_TRY_GOTO(igi_calibration_for(ctx, path, photo, calibration));
     const igi_response *response = (*calibration)->response;
-    if (photo->linear || (response && (response->levels != photo->levels ||
-                                       response->channels != photo->channels)))
+    if (photo->linear ||
+        (response && (response->levels != photo->levels || response->channels != photo->channels)))
         response = NULL;
     if (photo->levels == 256 && !response) {
         status = igi_fail(ctx, IGI_E_DATA,
@@ -67,8 +66,10 @@ static igi_status add_flat(igi_context *ctx, const char *path, igi_calibration *
                           "bracket with --save-response first, or photograph raw",
                           path);
     } else if (photo->width < 2 * COLUMNS || photo->height < 2 * ROWS) {
-        status = igi_fail(ctx, IGI_E_DATA, "%s: %d x %d pixels are too few for a flat field; use "
-                          "the full size", path, photo->width, photo->height);
+        status = igi_fail(ctx, IGI_E_DATA,
+                          "%s: %d x %d pixels are too few for a flat field; use "
+                          "the full size",
+                          path, photo->width, photo->height);
     } else if (is_saturated(photo)) {
         status = igi_fail(ctx, IGI_E_DATA, "%s: it is saturated in places; expose less", path);
     }

@@ -107,7 +107,8 @@ igi_status igi_vignetting_fit(igi_context *ctx, const double (*places)[2],
     memset(vignetting, 0, sizeof *vignetting);
     if (count < 12)
         return igi_fail(ctx, IGI_E_NO_ANSWER,
-                        "vignetting: %zu places do not determine it; use a whole photograph", count);
+                        "vignetting: %zu places do not determine it; use a whole photograph",
+                        count);
     IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &s.weights));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * count, &scratch));
     for (size_t i = 0; i < count; i++) s.weights[i] = 1;
@@ -116,7 +117,8 @@ igi_status igi_vignetting_fit(igi_context *ctx, const double (*places)[2],
         reweight(&s, cx, cy, p, scratch);
     }
     if (!isfinite(misfit) || !(p[0] > 0)) {
-        status = igi_fail(ctx, IGI_E_NO_ANSWER, "vignetting: the measurements do not determine it; "
+        status = igi_fail(ctx, IGI_E_NO_ANSWER,
+                          "vignetting: the measurements do not determine it; "
                           "photograph an evenly lit surface that fills the frame");
         goto cleanup;
     }
@@ -126,8 +128,8 @@ igi_status igi_vignetting_fit(igi_context *ctx, const double (*places)[2],
     for (int k = 0; k < 3; k++) vignetting->k[k] = p[k + 1] / p[0];
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
-        double off = transmissions[i] / p[0] - igi_vignetting_at(vignetting, places[i][0],
-                                                                 places[i][1], size);
+        double off = transmissions[i] / p[0] -
+                     igi_vignetting_at(vignetting, places[i][0], places[i][1], size);
         sum += off * off;
     }
     vignetting->rms = sqrt(sum / (double)count);

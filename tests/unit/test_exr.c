@@ -166,10 +166,9 @@ static bool patch_window(uint8_t *bytes, size_t size, const char *name, const in
 
 static void giants_are_refused_unallocated(void)
 {
-    static const int32_t boxes[][4] = {{0, 0, 99999, 99999},      {0, 0, 60000, 60000},
-                                       {0, 0, 2147483647, 0},
-                                       {-2147483647 - 1, 0, 2147483647, 9},
-                                       {5, 5, 4, 4},              {2147483600, 0, 2147483647, 9}};
+    static const int32_t boxes[][4] = {{0, 0, 99999, 99999},  {0, 0, 60000, 60000},
+                                       {0, 0, 2147483647, 0}, {-2147483647 - 1, 0, 2147483647, 9},
+                                       {5, 5, 4, 4},          {2147483600, 0, 2147483647, 9}};
     igi_context *ctx = test_context(1);
     igi_image *image = make_image(ctx, 16, 16, 3);
     CHECK_OK(ctx, igi_image_save_exr(ctx, image, IGI_EXR_HALF, SCRATCH));
@@ -261,36 +260,64 @@ static const struct fact {
     int width, height, channels, x, y;
     double value[4], tolerance;
 } facts[] = {
-    {"ScanLines/Cannon.exr", 780, 566, 3, 100, 200,
-     {0.408935546875, 0.34228515625, 0.252685546875}, 0},
-    {"ScanLines/Cannon.exr", 780, 566, 3, 779, 565,
-     {0.2237548828125, 0.2366943359375, 0.244140625}, 0},
-    {"Chromaticities/Rec709.exr", 610, 406, 3, 300, 200,
-     {1.3857421875, 0.25244140625, 0.26123046875}, 0},
+    {"ScanLines/Cannon.exr",
+     780,
+     566,
+     3,
+     100,
+     200,
+     {0.408935546875, 0.34228515625, 0.252685546875},
+     0},
+    {"ScanLines/Cannon.exr",
+     780,
+     566,
+     3,
+     779,
+     565,
+     {0.2237548828125, 0.2366943359375, 0.244140625},
+     0},
+    {"Chromaticities/Rec709.exr",
+     610,
+     406,
+     3,
+     300,
+     200,
+     {1.3857421875, 0.25244140625, 0.26123046875},
+     0},
     /* XYZ .70898 .49414 .30518 by IEC 61966-2-1's matrix */
-    {"Chromaticities/XYZ.exr", 610, 406, 3, 300, 200,
-     {1.38590, 0.25241, 0.26142}, 5e-4},
+    {"Chromaticities/XYZ.exr", 610, 406, 3, 300, 200, {1.38590, 0.25241, 0.26142}, 5e-4},
     /* R = 2.625 Y, B = .421875 Y, G from Y = .2126 R + .7152 G + .0722 B */
-    {"Chromaticities/Rec709_YC.exr", 610, 406, 3, 300, 200,
-     {1.297119, 0.284298, 0.208466}, 3e-4},
-    {"LuminanceChroma/Flowers.exr", 784, 734, 3, 300, 200,
-     {0.0913675, 0.1094973, 0.526264}, 1e-4},
-    {"LuminanceChroma/Garden.exr", 874, 493, 1, 400, 300,
-     {1.234375}, 0},
-    {"MultiResolution/WavyLinesLatLong.exr", 1024, 512, 3, 1000, 17,
-     {0.9873046875, 0.9873046875, 0.9873046875}, 0},
-    {"MultiResolution/WavyLinesCube.exr", 256, 1536, 3, 128, 768,
-     {0.9580078125, 0.9580078125, 0.9580078125}, 0},
-    {"MultiResolution/ColorCodedLevels.exr", 512, 512, 4, 100, 300,
-     {0.99951171875, 0.99951171875, 0.99951171875, 1}, 0},
-    {"TestImages/WideFloatRange.exr", 500, 500, 1, 7, 450,
-     {8.776499661669162e+22}, 0},
-    {"TestImages/BrightRings.exr", 800, 800, 3, 400, 500,
-     {1, 1, 1}, 0},
-    {"TestImages/stripes.exr", 100, 50, 4, 3, 7,
-     {0.5, 0.5, 0.5, 1}, 0},
-    {"Beachball/multipart.0001.exr", 2048, 1556, 4, 0, 0,
-     {0, 0, 0, 0}, 0},
+    {"Chromaticities/Rec709_YC.exr", 610, 406, 3, 300, 200, {1.297119, 0.284298, 0.208466}, 3e-4},
+    {"LuminanceChroma/Flowers.exr", 784, 734, 3, 300, 200, {0.0913675, 0.1094973, 0.526264}, 1e-4},
+    {"LuminanceChroma/Garden.exr", 874, 493, 1, 400, 300, {1.234375}, 0},
+    {"MultiResolution/WavyLinesLatLong.exr",
+     1024,
+     512,
+     3,
+     1000,
+     17,
+     {0.9873046875, 0.9873046875, 0.9873046875},
+     0},
+    {"MultiResolution/WavyLinesCube.exr",
+     256,
+     1536,
+     3,
+     128,
+     768,
+     {0.9580078125, 0.9580078125, 0.9580078125},
+     0},
+    {"MultiResolution/ColorCodedLevels.exr",
+     512,
+     512,
+     4,
+     100,
+     300,
+     {0.99951171875, 0.99951171875, 0.99951171875, 1},
+     0},
+    {"TestImages/WideFloatRange.exr", 500, 500, 1, 7, 450, {8.776499661669162e+22}, 0},
+    {"TestImages/BrightRings.exr", 800, 800, 3, 400, 500, {1, 1, 1}, 0},
+    {"TestImages/stripes.exr", 100, 50, 4, 3, 7, {0.5, 0.5, 0.5, 1}, 0},
+    {"Beachball/multipart.0001.exr", 2048, 1556, 4, 0, 0, {0, 0, 0, 0}, 0},
 };
 
 static void conformance_values(void)
@@ -306,8 +333,9 @@ static void conformance_values(void)
         if (!image) continue;
         CHECK(image->width == fact->width && image->height == fact->height &&
               image->channels == fact->channels);
-        const float *at = image->samples + ((size_t)fact->y * (size_t)image->width +
-                                            (size_t)fact->x) * (size_t)image->channels;
+        const float *at = image->samples +
+                          ((size_t)fact->y * (size_t)image->width + (size_t)fact->x) *
+                              (size_t)image->channels;
         for (int c = 0; c < fact->channels; c++)
             CHECK_NEAR((double)at[c], fact->value[c], fact->tolerance);
         igi_image_destroy(image);
@@ -319,9 +347,13 @@ static void conformance_values(void)
  * (dx,dy). */
 static void display_windows(void)
 {
-    static const struct { int number, width, height, dx, dy; } windows[] = {
-        {5, 340, 260, 30, 20}, {7, 481, 371, -40, -40}, {8, 501, 401, -30, -40},
-        {13, 101, 101, 399, 299}, {14, 101, 101, -100, -100}};
+    static const struct {
+        int number, width, height, dx, dy;
+    } windows[] = {{5, 340, 260, 30, 20},
+                   {7, 481, 371, -40, -40},
+                   {8, 501, 401, -30, -40},
+                   {13, 101, 101, 399, 299},
+                   {14, 101, 101, -100, -100}};
     char path[600], name[100];
     igi_context *ctx = test_context(1);
     igi_image *whole = NULL;

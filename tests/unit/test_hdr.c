@@ -58,7 +58,9 @@ static void write_exposure(const char *path, double h, uint64_t seed, int shift_
         double code = e * 65535 / FULL_WELL + READ_CODES * gaussian(&rng);
         codes[i] = (uint16_t)fmax(0, fmin(65535, floor(code + .5)));
     }
-    png_image writer = {.version = PNG_IMAGE_VERSION, .width = WIDTH, .height = HEIGHT,
+    png_image writer = {.version = PNG_IMAGE_VERSION,
+                        .width = WIDTH,
+                        .height = HEIGHT,
                         .format = PNG_FORMAT_LINEAR_Y};
     if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
 }
@@ -173,7 +175,8 @@ static void what_all_clip_is_marked(void)
     CHECK_OK(ctx, igi_merge(ctx, &exposure, 1, NULL, &merged));
     for (int x = 0; merged && x < WIDTH; x++) {
         const float *p = merged->image->samples + x * 3;
-        double truth = radiance_at(x) * texture_at(x, 0) / 10; /* the time was stated ten times too long */
+        double truth = radiance_at(x) * texture_at(x, 0) /
+                       10; /* the time was stated ten times too long */
         if (truth > .101) CHECK(p[1] == 1 && p[0] == .1f);
         if (truth < .085) CHECK(p[1] == 0);
     }
@@ -295,8 +298,8 @@ static float *read_rgbe(const char *path, int *width, int *height)
             }
         for (size_t x = 0; x < w; x++)
             for (size_t c = 0; c < 3; c++)
-                pixels[(y * w + x) * 3 + c] =
-                    (float)ldexp(row[c * w + x] + .5, row[3 * w + x] - 136);
+                pixels[(y * w + x) * 3 + c] = (float)ldexp(row[c * w + x] + .5,
+                                                           row[3 * w + x] - 136);
     }
     free(row);
     fclose(file);
@@ -356,8 +359,8 @@ static uint8_t *inside_mask(igi_context *ctx, const igi_exposure *exposures, siz
 
 /* Merges, and compares each colour with the reference: correlation and stops. */
 static void judge_memorial(igi_context *ctx, const igi_exposure *exposures, size_t count,
-                           const igi_merge_options *options, const float *want,
-                           const uint8_t *mask, double result[3][2])
+                           const igi_merge_options *options, const float *want, const uint8_t *mask,
+                           double result[3][2])
 {
     igi_merged *merged = NULL;
     CHECK_OK(ctx, igi_merge(ctx, exposures, count, options, &merged));
@@ -392,7 +395,8 @@ static void memorial_church(void)
     igi_merge_options options;
     int w = 0, h = 0;
     if (!test_shared_data("real/hdr_memorial/memorial.hdr_image_list.txt", list, sizeof list) ||
-        !test_shared_data("real/hdr_memorial/memorial_reference.hdr", reference, sizeof reference) ||
+        !test_shared_data("real/hdr_memorial/memorial_reference.hdr", reference,
+                          sizeof reference) ||
         !test_shared_data("real/hdr_memorial", folder, sizeof folder))
         return;
     igi_context *ctx = test_context(1);
@@ -410,8 +414,7 @@ static void memorial_church(void)
     options.response = IGI_RESPONSE_ROBERTSON;
     options.method = IGI_MERGE_ROBERTSON;
     judge_memorial(ctx, exposures, 8, &options, want, mask, robertson);
-    for (int c = 0; c < 3; c++)
-        CHECK(ours[c][0] > robertson[c][0] && ours[c][1] < robertson[c][1]);
+    for (int c = 0; c < 3; c++) CHECK(ours[c][0] > robertson[c][0] && ours[c][1] < robertson[c][1]);
     free(mask);
     free(want);
     igi_context_destroy(ctx);
@@ -430,7 +433,8 @@ static void false_list_is_refused(void)
     size_t count = read_foreign_list(list, folder, 0, false, exposures, paths, 9);
     CHECK(count == 9);
     CHECK(igi_merge(ctx, exposures, count, NULL, &merged) == IGI_E_DATA && !merged);
-    static const char *const frames[] = {"DSC_0071", "DSC_0072", "DSC_0073", "DSC_0074", "DSC_0075"};
+    static const char *const frames[] = {"DSC_0071", "DSC_0072", "DSC_0073", "DSC_0074",
+                                         "DSC_0075"};
     for (int i = 0; i < 5; i++) CHECK_CONTAINS(igi_context_message(ctx), frames[i]);
     CHECK(!strstr(igi_context_message(ctx), "DSC_0069"));
     CHECK(!strstr(igi_context_message(ctx), "DSC_0077"));
@@ -442,8 +446,8 @@ static void remember_warning(void *user, const char *sentence)
     snprintf(user, 1000, "%s", sentence);
 }
 
-static void merge_by_exif(const char *folder, const char *const *names, size_t count,
-                          char *warning, igi_merged **merged)
+static void merge_by_exif(const char *folder, const char *const *names, size_t count, char *warning,
+                          igi_merged **merged)
 {
     char path[600], storage[8][700];
     const char *paths[8];

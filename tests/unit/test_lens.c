@@ -35,8 +35,10 @@ static void write_bent(igi_context *ctx, const char *from, const char *path)
             grey[(size_t)y * width + (size_t)x] =
                 (uint8_t)photo->codes[((size_t)v * width + (size_t)x) * channels];
         }
-    png_image writer = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)photo->width,
-                        .height = (png_uint_32)photo->height, .format = PNG_FORMAT_GRAY};
+    png_image writer = {.version = PNG_IMAGE_VERSION,
+                        .width = (png_uint_32)photo->width,
+                        .height = (png_uint_32)photo->height,
+                        .format = PNG_FORMAT_GRAY};
     if (!png_image_write_to_file(&writer, path, 0, grey, 0, NULL)) abort();
     free(grey);
     igi_photo_destroy(photo);
@@ -140,9 +142,11 @@ static void bridge_turns_exceptions_into_words(void)
 /* The measured gain tables of six camera modules. Residuals as SOURCES.md publishes them. */
 static void shading_tables(void)
 {
-    static const struct { const char *name; double published, corner; } tables[] = {
-        {"imx219", .013, .355}, {"imx296", .021, .905}, {"imx378", .021, .345},
-        {"imx477", .021, .635}, {"imx519", .021, 0}, {"ov5647", .021, .45}};
+    static const struct {
+        const char *name;
+        double published, corner;
+    } tables[] = {{"imx219", .013, .355}, {"imx296", .021, .905}, {"imx378", .021, .345},
+                  {"imx477", .021, .635}, {"imx519", .021, 0},    {"ov5647", .021, .45}};
     igi_context *ctx = test_context(1);
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
         char name[200], path[600];
@@ -173,8 +177,8 @@ static void shading_tables(void)
     igi_context_destroy(ctx);
 }
 
-static void write_flat(const char *path, int width, int height, const igi_vignetting *v, double level,
-                       uint64_t seed)
+static void write_flat(const char *path, int width, int height, const igi_vignetting *v,
+                       double level, uint64_t seed)
 {
     const int size[2] = {width, height};
     uint16_t *codes = malloc((size_t)(width * height * 2));
@@ -185,16 +189,18 @@ static void write_flat(const char *path, int width, int height, const igi_vignet
         x += sqrt(x / 8000) * gaussian(&rng);
         codes[i] = (uint16_t)fmax(0, fmin(65535, 65535 * x + .5));
     }
-    png_image writer = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)width,
-                        .height = (png_uint_32)height, .format = PNG_FORMAT_LINEAR_Y};
+    png_image writer = {.version = PNG_IMAGE_VERSION,
+                        .width = (png_uint_32)width,
+                        .height = (png_uint_32)height,
+                        .format = PNG_FORMAT_LINEAR_Y};
     if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
     free(codes);
 }
 
 static void flat_fields(void)
 {
-    const igi_vignetting truth = {.known = true, .centre_x = 213, .centre_y = 139,
-                                  .k = {-.45, .2, -.1}};
+    const igi_vignetting truth = {
+        .known = true, .centre_x = 213, .centre_y = 139, .k = {-.45, .2, -.1}};
     const int size[2] = {400, 300};
     const char *paths[2] = {"test_lens_0.png", "test_lens_1.png"};
     igi_context *ctx = test_context(1);
@@ -206,7 +212,8 @@ static void flat_fields(void)
         for (int y = 0; y < 300; y += 10)
             for (int x = 0; x < 400; x += 10) {
                 double off = igi_vignetting_at(&c->vignetting, x, y, size) /
-                                 igi_vignetting_at(&truth, x, y, size) - 1;
+                                 igi_vignetting_at(&truth, x, y, size) -
+                             1;
                 sum += off * off / 1200;
             }
         CHECK(sqrt(sum) < .005);
@@ -237,8 +244,12 @@ static igi_calibration *known_lens(igi_context *ctx)
     c->lens.k1 = -.25, c->lens.k2 = .07, c->lens.p1 = .001, c->lens.p2 = -.002, c->lens.k3 = -.01;
     c->deviations[4] = .003;
     c->rms_px = .21;
-    c->vignetting = (igi_vignetting){.known = true, .centre_x = 125, .centre_y = 88,
-                                     .k = {-.3, .05, -.02}, .rms = .004, .f_number = 4,
+    c->vignetting = (igi_vignetting){.known = true,
+                                     .centre_x = 125,
+                                     .centre_y = 88,
+                                     .k = {-.3, .05, -.02},
+                                     .rms = .004,
+                                     .f_number = 4,
                                      .focal_mm = 35};
     return c;
 }

@@ -19,10 +19,28 @@ static void real_photographs(void)
         const char *camera;
     } facts[] = {
         {"real/hdr_memorial/memorial0068.png", 512, 768, 200, 300, {25, 21, 19}, 0, 0, 0, 0, ""},
-        {"real/hdr_frobisher_canon/IMG_2601.jpg", 640, 426, 300, 350, {25, 21, 10}, 1, 8, 100,
-         16, "EOS 5D Mark II"},
-        {"real/hdr_iphonexr/IMG_3871.jpeg", 3024, 4032, 1200, 2900, {25, 25, 1}, 1 / 59., 1.8,
-         1000, 4.25, "iPhone XR"},
+        {"real/hdr_frobisher_canon/IMG_2601.jpg",
+         640,
+         426,
+         300,
+         350,
+         {25, 21, 10},
+         1,
+         8,
+         100,
+         16,
+         "EOS 5D Mark II"},
+        {"real/hdr_iphonexr/IMG_3871.jpeg",
+         3024,
+         4032,
+         1200,
+         2900,
+         {25, 25, 1},
+         1 / 59.,
+         1.8,
+         1000,
+         4.25,
+         "iPhone XR"},
     };
     igi_context *ctx = test_context(1);
     for (size_t i = 0; i < sizeof facts / sizeof facts[0]; i++) {
@@ -51,8 +69,8 @@ static void png_of_16_bits(void)
     uint16_t pixels[5 * 4 * 3];
     igi_photo *photo = NULL;
     for (unsigned i = 0; i < 60; i++) pixels[i] = (uint16_t)(i * 1111);
-    png_image writer = {.version = PNG_IMAGE_VERSION, .width = 5, .height = 4,
-                        .format = PNG_FORMAT_LINEAR_RGB};
+    png_image writer = {
+        .version = PNG_IMAGE_VERSION, .width = 5, .height = 4, .format = PNG_FORMAT_LINEAR_RGB};
     CHECK(png_image_write_to_file(&writer, "test_photo.png", 0, pixels, 0, NULL));
     CHECK_OK(ctx, igi_photo_load(ctx, "test_photo.png", &photo));
     CHECK(photo && photo->width == 5 && photo->height == 4 && photo->levels == 65536);
@@ -70,7 +88,8 @@ static void write_tiff(const char *path, int bits, int samples, const void *rows
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 2);
     TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
     TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, samples);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, samples == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                 samples == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
     TIFFSetField(tiff, TIFFTAG_MODEL, "Test Camera");

@@ -21,8 +21,9 @@ static void round_trip_at(int width, int height, int channels)
     png_image reader = {.version = PNG_IMAGE_VERSION};
     CHECK(bytes && png_image_begin_read_from_memory(&reader, bytes, size));
     CHECK((int)reader.width == width && (int)reader.height == height);
-    reader.format = channels == 1 ? PNG_FORMAT_GRAY : channels == 3 ? PNG_FORMAT_RGB
-                                                                    : PNG_FORMAT_RGBA;
+    reader.format = channels == 1   ? PNG_FORMAT_GRAY
+                    : channels == 3 ? PNG_FORMAT_RGB
+                                    : PNG_FORMAT_RGBA;
     CHECK(png_image_finish_read(&reader, NULL, back, 0, NULL));
     CHECK(memcmp(pixels, back, count) == 0);
     igi_image_free_bytes(bytes);
