@@ -24,13 +24,14 @@
  * under a cupboard): its weight falls with this power of the share that is seen. */
 #define PARTLY_SEEN 8
 #define MAX_ROUNDS 100
-#define SETTLED 1e-7
+#define SETTLED 1e-6
 
 /* The unseen elements' system, one band at a time. */
 typedef struct unseen {
     size_t count;
     uint32_t *element; /* [count] */
     double *factors, *areas, *albedo, *sent, *solution;
+    double *received; /* [count][bands] from all but the unseen */
 } unseen;
 
 static bool is_lamp(const igi_coarse *c, size_t element)
@@ -201,7 +202,23 @@ void igi_coarse_destroy(igi_coarse *coarse)
     igi_free(coarse);
 }
 
-static igi_status unseen_create(igi_context *ctx, const igi_coarse *c, unseen *u)
+/* The irradiance of element e per band, given all radiances. */
+static void gather(const igi_coarse *c, const float *extra, size_t e, double *irradiance)
+{
+    const double *row = c->factors + e * c->n;
+    double sum[IGI_MAX_BANDS] = {0};
+    for (size_t j = 0; j < c->n; j++) {
+        if (row[j] == 0) continue;
+        for (size_t b = 0; b < c->bands; b++)
+            sum[b] += row[j] * (double)c->radiance[j * c->bands + b];
+    }
+    for (size_t b = 0; b < c->bands; b++) {
+        double more = extra ? (double)extra[e * c->bands + b] : 0;
+        irradiance[b] = fmax(0, direct_irradiance(c, e, b) + IGI_PI * sum[b] + more);
+    }
+}
+
+static igi_status unseen_create(igi_context *ctx, igi_coarse *c, const float *extra, unseen *u)
 {
     IGI_TRY(IGI_ALLOC(ctx, c->n, &u->element));
     for (uint32_t e = 0; e < c->n; e++)
@@ -211,11 +228,16 @@ static igi_status unseen_create(igi_context *ctx, const igi_coarse *c, unseen *u
     IGI_TRY(IGI_ALLOC(ctx, u->count, &u->albedo));
     IGI_TRY(IGI_ALLOC(ctx, u->count, &u->sent));
     IGI_TRY(IGI_ALLOC(ctx, u->count, &u->solution));
+    IGI_TRY(IGI_ALLOC(ctx, u->count * c->bands, &u->received));
     for (size_t i = 0; i < u->count; i++) {
         u->areas[i] = c->elements->elements[u->element[i]].area;
         for (size_t j = 0; j < u->count; j++)
             u->factors[i * u->count + j] = c->factors[u->element[i] * c->n + u->element[j]];
     }
+    for (size_t i = 0; i < u->count * c->bands; i++)
+        c->radiance[u->element[i / c->bands] * c->bands + i % c->bands] = 0;
+    for (size_t i = 0; i < u->count; i++)
+        gather(c, extra, u->element[i], u->received + i * c->bands);
     return IGI_OK;
 }
 
@@ -227,28 +249,18 @@ static void unseen_clear(unseen *u)
     igi_free(u->albedo);
     igi_free(u->sent);
     igi_free(u->solution);
-}
-
-/* The irradiance of element e, given all radiances. */
-static double gather(const igi_coarse *c, const float *extra, size_t e, size_t band)
-{
-    double sum = 0;
-    for (size_t j = 0; j < c->n; j++)
-        sum += c->factors[e * c->n + j] * (double)c->radiance[j * c->bands + band];
-    double more = extra ? (double)extra[e * c->bands + band] : 0;
-    return fmax(0, direct_irradiance(c, e, band) + IGI_PI * sum + more);
+    igi_free(u->received);
 }
 
 /* Radiances of the unseen elements for the present albedos. */
-static igi_status solve_unseen(igi_context *ctx, igi_coarse *c, const unseen *u, const float *extra,
+static igi_status solve_unseen(igi_context *ctx, igi_coarse *c, const unseen *u,
                                double (*albedo)[IGI_MAX_BANDS])
 {
-    igi_radiosity_system system = {u->count, u->factors, u->areas, u->albedo, u->sent, 0};
+    igi_radiosity_system system = {u->count, u->factors, u->areas, u->albedo, u->sent, SETTLED};
     for (size_t b = 0; b < c->bands; b++) {
-        for (size_t i = 0; i < u->count; i++) c->radiance[u->element[i] * c->bands + b] = 0;
         for (size_t i = 0; i < u->count; i++) {
             u->albedo[i] = albedo[c->region[u->element[i]]][b];
-            u->sent[i] = u->albedo[i] * gather(c, extra, u->element[i], b);
+            u->sent[i] = u->albedo[i] * u->received[i * c->bands + b];
         }
         IGI_TRY(igi_radiosity_solve(ctx, &system, IGI_RADIOSITY_GAUSS_SEIDEL, u->solution));
         for (size_t i = 0; i < u->count; i++)
@@ -270,12 +282,16 @@ igi_status igi_coarse_solve(igi_context *ctx, igi_coarse *coarse, const float *g
     for (size_t i = 0; i < values; i++) diffuse_part[i] = c->radiance[i] - (gloss ? gloss[i] : 0);
     igi_places places = {c->n, c->region, c->weight, diffuse_part, c->irradiance, c->point};
     IGI_TRY_GOTO(igi_region_sums_create(ctx, c->problem, &sums));
-    IGI_TRY_GOTO(unseen_create(ctx, c, &u));
+    IGI_TRY_GOTO(unseen_create(ctx, c, extra, &u));
     for (int round = 0; round < MAX_ROUNDS; round++) {
-        for (size_t i = 0; i < values; i++)
-            c->irradiance[i] = (float)gather(c, extra, i / c->bands, i % c->bands);
+        for (size_t e = 0; e < c->n; e++) {
+            double irradiance[IGI_MAX_BANDS];
+            gather(c, extra, e, irradiance);
+            for (size_t b = 0; b < c->bands; b++)
+                c->irradiance[e * c->bands + b] = (float)irradiance[b];
+        }
         if (igi_region_sums_albedo(sums, &places, diffuse->albedo) < SETTLED) break;
-        IGI_TRY_GOTO(solve_unseen(ctx, c, &u, extra, diffuse->albedo));
+        IGI_TRY_GOTO(solve_unseen(ctx, c, &u, diffuse->albedo));
     }
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &places, diffuse));
 cleanup:
