@@ -152,6 +152,45 @@ static void survives_bad_triangles(void)
     igi_context_destroy(ctx);
 }
 
-TEST_MAIN({"splits_large_triangles", splits_large_triangles},
+/* Soups of triangles of any size and place: every facet is found again, and areas add up. */
+static void random_soups(void)
+{
+    igi_context *ctx = test_context(1);
+    igi_rng rng = igi_rng_make(9, 9);
+    for (int trial = 0; trial < 300; trial++) {
+        room *r = room_new();
+        int count = 1 + (int)(igi_rng_next(&rng) % 30);
+        for (int t = 0; t < count; t++) {
+            uint32_t id[3];
+            double size = pow(10, -6 + 12 * (double)igi_rng_float(&rng));
+            for (int c = 0; c < 3; c++) {
+                double x = (double)igi_rng_float(&rng), y = (double)igi_rng_float(&rng);
+                id[c] = room_vertex(r, size * x, size * y, trial % 3 == 0 ? 0 : size * (x - y * y));
+            }
+            if (igi_rng_next(&rng) % 8 == 0) id[2] = id[1];
+            room_triangle(r, id[0], id[1], id[2], igi_rng_next(&rng) % 3);
+        }
+        igi_elements *e = NULL;
+        igi_status status = igi_elements_create(ctx, &r->mesh, 1e-3, 600, trial % 2, &e);
+        CHECK(status == IGI_OK || (status == IGI_E_DATA && !e));
+        for (uint32_t t = 0; e && t < r->mesh.triangle_count; t++)
+            for (int k = 0; k < 20; k++) {
+                float u = igi_rng_float(&rng), v = igi_rng_float(&rng) * (1 - u);
+                uint32_t i = igi_elements_at(e, t, u, v, k % 2);
+                CHECK((i == IGI_NO_ELEMENT) == (e->divisions[t] == 0));
+                if (i == IGI_NO_ELEMENT) continue;
+                CHECK(i < e->count && e->elements[i].region == r->regions[t]);
+                const igi_facet *f = igi_elements_facet(e, i, (double)u);
+                CHECK(f >= e->facets + e->elements[i].first_facet &&
+                      f < e->facets + e->elements[i].first_facet + e->elements[i].facet_count);
+                CHECK(e->elements[i].area > 0 && isfinite(e->elements[i].centre[0]));
+            }
+        igi_elements_destroy(e);
+        free(r);
+    }
+    igi_context_destroy(ctx);
+}
+
+TEST_MAIN({"random_soups", random_soups}, {"splits_large_triangles", splits_large_triangles},
           {"merges_small_triangles", merges_small_triangles}, {"obeys_the_limit", obeys_the_limit},
           {"has_two_sides", has_two_sides}, {"survives_bad_triangles", survives_bad_triangles})
