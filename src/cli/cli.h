@@ -16,7 +16,8 @@ enum { CLI_MAX_ARGUMENTS = 1024 };
 typedef struct cli_values {
     const char *output, *method, *model, *truth, *list, *response, *weights, *save_response;
     const char *chessboard, *calibration;
-    double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget, tolerance, threads, seed;
+    double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
+        tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat;
 } cli_values;
 

@@ -111,8 +111,8 @@ static int add_child(igi_glb *g, json_t *node)
 static igi_status add_region(igi_glb *g, size_t region)
 {
     const igi_material *m = &g->materials->materials[region];
-    bool textured = m->map && m->textured && g->scene->mesh.uvs && g->scene->regions[region].has_uvs &&
-                    !m->emitter;
+    bool textured = m->map && m->textured && g->scene->mesh.uvs &&
+                    g->scene->regions[region].has_uvs && !m->emitter;
     IGI_TRY(add_material(g, region, textured));
     json_t *primitive = NULL;
     IGI_TRY(igi_glb_add_primitive(g, region, textured, &primitive));

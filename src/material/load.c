@@ -93,7 +93,8 @@ static igi_status arrange_map(const reader *r, const char *path, const igi_image
     for (int c = 0; c < bands + extra; c++) {
         float *to = (*map)->samples + c;
         size_t to_step = (size_t)(bands + extra), from_step = (size_t)file->channels;
-        strcpy((*map)->names[c], order[c] < 0 ? "A" : file->names[order[c]]);
+        snprintf((*map)->names[c], IGI_CHANNEL_NAME_SIZE, "%s",
+                 order[c] < 0 ? "A" : file->names[order[c]]);
         for (size_t i = 0; i < pixels; i++)
             to[i * to_step] = order[c] < 0 ? 1 : file->samples[i * from_step + (size_t)order[c]];
     }

@@ -90,9 +90,9 @@ static void name_channels(igi_image *image, int bands)
 {
     for (int i = 0; i < image->channels; i++) {
         char *name = image->names[i];
-        if (i == bands) strcpy(name, "A");
+        if (i == bands) snprintf(name, IGI_CHANNEL_NAME_SIZE, "A");
         else if (bands == 3) snprintf(name, IGI_CHANNEL_NAME_SIZE, "%c", "RGB"[i]);
-        else if (bands == 1) strcpy(name, "Y");
+        else if (bands == 1) snprintf(name, IGI_CHANNEL_NAME_SIZE, "Y");
         else snprintf(name, IGI_CHANNEL_NAME_SIZE, "band%02d", i);
     }
 }
@@ -137,8 +137,8 @@ static igi_status region_json(igi_context *ctx, const igi_material *m, int bands
     if (m->emitter) bad |= json_object_set_new(o, "emitter", json_true());
     bad |= json_object_set_new(o, "albedo", numbers(m->albedo, bands));
     bad |= json_object_set_new(o, "albedo_std", numbers(m->albedo_std, bands));
-    bad |= json_object_set_new(o, "albedo_map",
-                               m->map && m->textured ? json_sprintf("albedo/%s.exr", name) : json_null());
+    bad |= json_object_set_new(
+        o, "albedo_map", m->map && m->textured ? json_sprintf("albedo/%s.exr", name) : json_null());
     bad |= json_object_set_new(o, "specular", number(glossy ? m->specular : 0));
     bad |= json_object_set_new(o, "specular_std", number(glossy ? m->specular_std : 0));
     bad |= json_object_set_new(o, "specular_rgb",

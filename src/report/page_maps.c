@@ -4,23 +4,25 @@
  */
 #include "report/page.h"
 
+#include "report/resample.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 enum { MAP_SIDE = 192 };
 
-/* Diagonal stripes mark texels that no photograph determines. */
+/* A grey chequer marks texels that no photograph determines. */
 static void paint_albedo(const igi_page *page, const igi_image *map, uint8_t *pixels)
 {
-    int bands = map->channels - 1;
+    int bands = map->channels - 1, side = map->width > 64 ? map->width / 48 : 1;
     for (int y = 0; y < map->height; y++)
         for (int x = 0; x < map->width; x++) {
             size_t p = (size_t)y * (size_t)map->width + (size_t)x;
             const float *texel = map->samples + p * (size_t)map->channels;
-            bool striped = texel[bands] < .5f && ((x + y) / 3) % 2 == 0;
+            bool chequered = texel[bands] < .5f && (x / side + y / side) % 2 == 0;
             for (int c = 0; c < 3; c++) {
                 uint8_t byte = igi_srgb_byte(&page->srgb, texel[igi_band_of(c, bands)]);
-                pixels[3 * p + (size_t)c] = striped ? (uint8_t)((byte + 3 * 128) / 4) : byte;
+                pixels[3 * p + (size_t)c] = chequered ? (uint8_t)((byte + 3 * 128) / 4) : byte;
             }
         }
 }
@@ -38,15 +40,18 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* A round number that 98 % of the sigmas do not exceed: 1, 2 or 5 times a power of ten. */
-static igi_status find_top(const igi_page *page, const igi_image *sigma, float *top)
+/* A round number that 98 % of the sigmas of determined texels do not exceed: 1, 2 or 5 times a
+ * power of ten. */
+static igi_status find_top(const igi_page *page, const igi_image *map, const igi_image *sigma,
+                           float *top)
 {
-    size_t count = (size_t)sigma->width * (size_t)sigma->height;
+    size_t texels = (size_t)sigma->width * (size_t)sigma->height, count = 0;
     float *values = NULL;
-    IGI_TRY(IGI_ALLOC(page->ctx, count, &values));
-    for (size_t p = 0; p < count; p++) {
+    IGI_TRY(IGI_ALLOC(page->ctx, texels + 1, &values));
+    for (size_t p = 0; p < texels; p++) {
         float x = mean_of(sigma->samples + p * (size_t)sigma->channels, sigma->channels);
-        values[p] = isfinite(x) ? x : 1;
+        bool determined = map->samples[(p + 1) * (size_t)map->channels - 1] >= .5f;
+        if (determined && isfinite(x)) values[count++] = x;
     }
     qsort(values, count, sizeof *values, compare_floats);
     double most = fmax((double)values[count * 98 / 100], 1e-4);
@@ -76,13 +81,14 @@ static igi_status print_pixels(const igi_page *page, const uint8_t *pixels, cons
     return IGI_OK;
 }
 
-static igi_status print_sigma(const igi_page *page, const igi_image *map_std, uint8_t *pixels)
+static igi_status print_sigma(const igi_page *page, const igi_image *map, const igi_image *map_std,
+                              uint8_t *pixels)
 {
     igi_status status = IGI_OK;
     igi_image *small = NULL;
     float top = 1;
-    IGI_TRY_GOTO(igi_image_reduce(page->ctx, map_std, MAP_SIDE, &small));
-    IGI_TRY_GOTO(find_top(page, small, &top));
+    IGI_TRY_GOTO(igi_image_resample(page->ctx, map_std, map->width, map->height, &small));
+    IGI_TRY_GOTO(find_top(page, map, small, &top));
     paint_sigma(small, top, pixels);
     fputs("<figure>", page->file);
     IGI_TRY_GOTO(print_pixels(page, pixels, small, "uncertainty"));
@@ -110,9 +116,9 @@ static igi_status print_card(const igi_page *page, const igi_material *m)
     IGI_TRY_GOTO(print_pixels(page, pixels, small, "albedo"));
     fprintf(page->file,
             "<figcaption>albedo, %d &times; %d texels; %.0f&nbsp;%% observed in %d "
-            "views</figcaption></figure>",
-            m->map->width, m->map->height, 100 * m->observed, m->views);
-    if (m->map_std) IGI_TRY_GOTO(print_sigma(page, m->map_std, pixels));
+            "view%s</figcaption></figure>",
+            m->map->width, m->map->height, 100 * m->observed, m->views, m->views == 1 ? "" : "s");
+    if (m->map_std) IGI_TRY_GOTO(print_sigma(page, small, m->map_std, pixels));
     fputs("</div></div>\n", page->file);
 cleanup:
     igi_image_destroy(small);
@@ -129,7 +135,8 @@ igi_status igi_page_maps(const igi_page *page)
         if (!begun)
             fputs(
                 "<section><h2>Maps</h2><p class=\"soft\">Albedo over each region's texture square, "
-                "and one standard deviation of it. Striped texels are seen by no photograph: they "
+                "and one standard deviation of it. Chequered texels are seen by no photograph: "
+                "they "
                 "are filled in from their neighbours and their region, and their error bar says "
                 "so.</p><div class=\"grid\">\n",
                 page->file);

@@ -8,8 +8,8 @@ const char *const igi_page_style[] = {
     ":root{--bg:#fbfaf8;--card:#fff;--ink:#1d1f23;--soft:#62666f;--line:#e4e1db;--accent:#2f6fa7;",
     "--warn:#9a5b00;--warnbg:#fdf4e3;--bar:#cfdcea;color-scheme:light dark}",
     "@media(prefers-color-scheme:dark){:root{--bg:#15171b;--card:#1d2026;--ink:#e8e6e1;",
-    "--soft:#9ba0aa;--line:#30343c;--accent:#7db4e6;--warn:#f0b860;--warnbg:#2d2618;--bar:#2c4258}"
-    "}",
+    "--soft:#9ba0aa;--line:#30343c;--accent:#7db4e6;--warn:#f0b860;--warnbg:#2d2618;",
+    "--bar:#2c4258}}",
     "*{box-sizing:border-box}",
     "body{margin:0;background:var(--bg);color:var(--ink);",
     "font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',sans-serif}",
@@ -102,8 +102,7 @@ const char *const igi_page_script[] = {
     "const up=th.getAttribute('aria-sort')!=='ascending';",
     "for(const other of row.children)other.removeAttribute('aria-sort');",
     "th.setAttribute('aria-sort',up?'ascending':'descending');",
-    "const key=r=>{const c=r.children[at];return "
-    "c.dataset.v===undefined?c.textContent:+c.dataset.v};",
+    "const key=r=>{const c=r.children[at],v=c.dataset.v;return v===undefined?c.textContent:+v};",
     "const compare=(a,b)=>typeof a==='number'?a-b:a.localeCompare(b);",
     "body.append(...[...body.rows].sort((a,b)=>(up?1:-1)*compare(key(a),key(b))))});",
     NULL};

@@ -103,7 +103,8 @@ static igi_status compare_region(igi_context *ctx, const igi_material *got,
     albedos a;
     memcpy(a.got, got->albedo, sizeof a.got);
     memcpy(a.want, want->albedo, sizeof a.want);
-    if (got->map && got->textured && want->map) IGI_TRY(compare_maps(ctx, got, want, bands, error, &a));
+    if (got->map && got->textured && want->map)
+        IGI_TRY(compare_maps(ctx, got, want, bands, error, &a));
     error->albedo = 0;
     for (int b = 0; b < bands; b++) error->albedo += relative(a.got[b], a.want[b]) / bands;
     error->sigmas = largest_sigmas(got, &a, bands);
