@@ -66,8 +66,14 @@ extern const cli_command *const cli_commands[];
 
 /* Reads the options and arguments that follow the command. A mistake is said on stderr. */
 bool cli_parse(cli_session *session, int argc, char **argv);
-/* The options of a command, a line each, with unit and default. */
-void cli_print_options(unsigned command);
+/* Hands over each option of a command: its names and value, what it does, its default or NULL. */
+typedef void (*cli_option_fn)(const char *names, const char *help, const char *standard);
+void cli_each_option(unsigned command, cli_option_fn print);
+
+/* What the program is and can; help on one command; all of it as a manual page. */
+void cli_print_overview(void);
+void cli_print_help(const cli_command *command);
+void cli_print_man(void);
 /* Names and present values of the command's options, for the manifest; returns how many. `text`
  * holds the numbers' digits. */
 size_t cli_settings(const cli_session *session, igi_setting *settings, char text[][32],

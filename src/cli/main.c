@@ -27,25 +27,6 @@ static void catch_signals(void)
     sigaction(SIGHUP, &action, NULL);
 }
 
-static void print_overview(void)
-{
-    printf("igi %s: inverse global illumination. What a room is made of, from photographs.\n\n"
-           "usage: igi COMMAND ...\n\n",
-           igi_version());
-    for (const cli_command *const *c = cli_commands; *c; c++)
-        printf("  igi %-38s %s\n", (*c)->usage, (*c)->summary);
-    puts("\nigi help COMMAND explains a command; man igi has it all.");
-}
-
-static void print_help(const cli_command *command)
-{
-    printf("usage: igi %s\n\n%s\n\nexample: %s\n\n%s\n\noptions:\n", command->usage,
-           command->summary, command->example, command->details);
-    cli_print_options(command->bit);
-    puts("\nexit status: 0 done; 1 it ran, and the answer is no; 2 usage; 3 input data; 4 file\n"
-         "system or memory; 5 a fault of igi's own; 130 interrupted");
-}
-
 static const cli_command *find_command(const char *name)
 {
     const char *names[32];
@@ -117,7 +98,11 @@ int main(int argc, char **argv)
         return close_stdout(0);
     }
     if (help && argc <= 2) {
-        print_overview();
+        cli_print_overview();
+        return close_stdout(0);
+    }
+    if (help && strcmp(argv[2], "--man") == 0) {
+        cli_print_man();
         return close_stdout(0);
     }
     cli_session session = {.argc = argc, .argv = argv};
@@ -125,7 +110,7 @@ int main(int argc, char **argv)
     if (!session.command) return IGI_E_USAGE;
     if (!help && !cli_parse(&session, argc - 2, argv + 2)) return IGI_E_USAGE;
     if (help || session.values.help) {
-        print_help(session.command);
+        cli_print_help(session.command);
         return close_stdout(0);
     }
     return close_stdout((int)run(&session));

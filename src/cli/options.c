@@ -211,20 +211,16 @@ bool cli_parse(cli_session *s, int argc, char **argv)
     return false;
 }
 
-void cli_print_options(unsigned command)
+void cli_each_option(unsigned command, cli_option_fn print)
 {
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         const option *o = &options[i];
         if (!(o->commands & command)) continue;
-        char left[80];
-        snprintf(left, sizeof left, "%s%c%s --%s %s", o->letter ? "-" : " ",
-                 o->letter ? o->letter : ' ', o->letter ? "," : " ", o->name,
+        char names[128];
+        snprintf(names, sizeof names, "%s%c%s --%s%s%s", o->letter ? "-" : " ",
+                 o->letter ? o->letter : ' ', o->letter ? "," : " ", o->name, o->value ? " " : "",
                  o->value ? o->value : "");
-        printf("  %-28s ", left);
-        if (strlen(left) > 28) printf("\n  %-28s ", "");
-        printf("%s", o->help);
-        if (o->standard) printf(" [%s]", o->standard);
-        puts("");
+        print(names, o->help, o->standard);
     }
 }
 
