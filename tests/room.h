@@ -114,8 +114,8 @@ static inline void room_box(room *r, const uint32_t regions[6], float s)
 }
 
 /* A sphere of 2 n (m - 1) triangles, front outside; `inward` turns it. */
-static inline void room_sphere(room *r, uint32_t region, igi_vec centre, float radius, int n,
-                               int m, bool inward)
+static inline void room_sphere(room *r, uint32_t region, igi_vec centre, float radius, int n, int m,
+                               bool inward)
 {
     for (int j = 0; j < m; j++)
         for (int i = 0; i < n; i++) {
@@ -136,10 +136,16 @@ static inline igi_camera room_camera(igi_vec eye, igi_vec target, int pixels, do
 {
     igi_vec back = igi_normalize(igi_sub(eye, target)), right, up;
     igi_frame_of(back, &right, &up);
-    igi_camera c = {.width = pixels, .height = pixels, .fl_x = pixels * focal,
-                    .fl_y = pixels * focal, .cx = pixels / 2.0, .cy = pixels / 2.0};
-    float columns[4][3] = {{right.x, right.y, right.z}, {up.x, up.y, up.z},
-                           {back.x, back.y, back.z}, {eye.x, eye.y, eye.z}};
+    igi_camera c = {.width = pixels,
+                    .height = pixels,
+                    .fl_x = pixels * focal,
+                    .fl_y = pixels * focal,
+                    .cx = pixels / 2.0,
+                    .cy = pixels / 2.0};
+    float columns[4][3] = {{right.x, right.y, right.z},
+                           {up.x, up.y, up.z},
+                           {back.x, back.y, back.z},
+                           {eye.x, eye.y, eye.z}};
     for (int row = 0; row < 3; row++)
         for (int k = 0; k < 4; k++) c.camera_to_world[row][k] = (double)columns[k][row];
     return c;

@@ -24,11 +24,19 @@ IGI_API void igi_render_options_init(igi_render_options *options);
  * an emitter region that they leave out is dark. *variance (may be NULL) receives the variance of
  * each pixel's mean. */
 IGI_API IGI_MUST_USE igi_status igi_render(igi_context *context, const igi_scene *scene,
-                                           const igi_materials *materials,
-                                           const igi_light *lights, size_t light_count,
-                                           const igi_camera *camera,
+                                           const igi_materials *materials, const igi_light *lights,
+                                           size_t light_count, const igi_camera *camera,
                                            const igi_render_options *options, igi_image **picture,
                                            igi_image **variance);
+
+/* Writes a picture of each frame of `cameras` (a cameras' file) into the existing folder `output`,
+ * named as its image, as OpenEXR: what `folder` holds, the result of a recovery or the truth of a
+ * scene, under the lights of the file `lights`; NULL: its own. With `variance`, also NAME.variance.exr,
+ * the variance of each pixel's mean. */
+IGI_API IGI_MUST_USE igi_status igi_relight(igi_context *context, const char *folder,
+                                            const char *lights, const char *cameras,
+                                            const igi_render_options *options, bool variance,
+                                            const char *output);
 
 #ifdef __cplusplus
 }

@@ -15,10 +15,11 @@ enum { CLI_MAX_ARGUMENTS = 1024 };
  * command. */
 typedef struct cli_values {
     const char *output, *method, *model, *truth, *list, *response, *weights, *save_response;
-    const char *chessboard, *calibration;
+    const char *chessboard, *calibration, *lights, *cameras;
+    double samples;
     double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;
-    bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat;
+    bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance;
 } cli_values;
 
 /* One bit a command, for the table of options. */
@@ -30,7 +31,8 @@ enum {
     CLI_MERGE = 16,
     CLI_CALIBRATE = 32,
     CLI_CORRECT = 64,
-    CLI_ALL = 127
+    CLI_RELIGHT = 128,
+    CLI_ALL = 255
 };
 
 typedef struct cli_session cli_session;

@@ -106,8 +106,7 @@ static float weigh(const emitter *emitters, size_t count, igi_vec point, igi_vec
         if (!(igi_dot(d, e->normal) < 0)) continue;
         if (count > FEW_EMITTERS && igi_dot(d, d) > FAR_AREAS * e->area)
             weights[i] = e->area * kernel(e->centre, e->normal, point, normal);
-        else
-            weights[i] = polygon_irradiance(e, point, normal);
+        else weights[i] = polygon_irradiance(e, point, normal);
         sum += weights[i];
     }
     return sum;
@@ -283,8 +282,7 @@ float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *trace
     const source *s = &lighting->sources[light];
     if (rays < 1) rays = 1;
     switch (s->light->type) {
-    case IGI_LIGHT_AREA:
-        return area_irradiance(lighting, light, tracer, point, normal, rays, key);
+    case IGI_LIGHT_AREA: return area_irradiance(lighting, light, tracer, point, normal, rays, key);
     case IGI_LIGHT_LINE: return line_irradiance(s, tracer, point, normal, rays, key);
     case IGI_LIGHT_AMBIENT: return ambient_irradiance(tracer, point, normal, rays, key);
     default: return one_ray(lighting, light, tracer, point, normal);

@@ -13,7 +13,8 @@ static igi_status count_emitters(igi_context *ctx, igi_lighting *l, const igi_li
         int region = lights[i].region;
         if (lights[i].type != IGI_LIGHT_AREA) continue;
         if (region < 0 || (size_t)region >= scene->region_count)
-            return igi_fail(ctx, IGI_E_DATA, "lights: area light %zu names no region of the mesh", i);
+            return igi_fail(ctx, IGI_E_DATA, "lights: area light %zu names no region of the mesh",
+                            i);
         if (l->light_of_region[region] >= 0)
             return igi_fail(ctx, IGI_E_DATA,
                             "lights: two area lights name the region '%s'; keep one of them",

@@ -19,8 +19,8 @@ typedef struct sky sky; /* an environment map */
 
 typedef struct source {
     const igi_light *light;
-    size_t first, count; /* area: its emitters */
-    float area;          /* area: of all its emitters */
+    size_t first, count;    /* area: its emitters */
+    float area;             /* area: of all its emitters */
     igi_vec position, axis; /* axis: direction of spot and directional; line: from end to end */
     float length;           /* line */
     float cos_cutoff, cutoff, beam; /* spot; angles in radians */
@@ -33,7 +33,7 @@ struct igi_lighting {
     size_t count;
     source *sources;
     emitter *emitters;
-    float *areas; /* of the emitters of the same light up to and including each */
+    float *areas;         /* of the emitters of the same light up to and including each */
     int *light_of_region; /* -1: dark */
 };
 

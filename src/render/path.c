@@ -16,8 +16,8 @@ typedef struct candidate {
 } candidate;
 
 /* False when nothing comes from the light that way. */
-static bool weigh(const igi_renderer *r, size_t light, const surface *s,
-                  float u, float v, candidate *c)
+static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u, float v,
+                  candidate *c)
 {
     float pdf;
     if (!igi_light_sample_toward(r->lighting, light, s->point, u, v, &c->sample)) return false;

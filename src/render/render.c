@@ -102,8 +102,7 @@ typedef struct job {
 } job;
 
 /* Mean of a pixel's batches, and the variance of that mean. */
-static uint64_t render_pixel(const job *j, size_t frame, int x, int y, float *mean,
-                             float *variance)
+static uint64_t render_pixel(const job *j, size_t frame, int x, int y, float *mean, float *variance)
 {
     const igi_camera *camera = &j->cameras[frame];
     int bands = j->renderer->bands;
@@ -114,8 +113,8 @@ static uint64_t render_pixel(const job *j, size_t frame, int x, int y, float *me
     for (int k = 0; k < j->batches; k++) {
         float batch[IGI_MAX_BANDS] = {0};
         for (int i = 0; i < j->batch; i++) {
-            sampler points = {igi_hash64(stream ^ (uint64_t)k), (uint32_t)i,
-                              (uint32_t)j->batch - 1, 0};
+            sampler points = {igi_hash64(stream ^ (uint64_t)k), (uint32_t)i, (uint32_t)j->batch - 1,
+                              0};
             float u, v;
             sampler_next(&points, &u, &v);
             igi_vec d = igi_camera_direction(camera, x + (double)u, y + (double)v);
@@ -163,14 +162,19 @@ igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer *renderer,
                                igi_image **pictures, igi_image **variances)
 {
     igi_status status = IGI_OK;
-    job j = {.renderer = renderer, .cameras = cameras, .options = *options, .count = count,
-             .key = igi_hash64(igi_seed(ctx)) ^ key, .pictures = pictures,
+    job j = {.renderer = renderer,
+             .cameras = cameras,
+             .options = *options,
+             .count = count,
+             .key = igi_hash64(igi_seed(ctx)) ^ key,
+             .pictures = pictures,
              .variances = variances};
     if (options->struct_size != sizeof *options || options->samples < 1 || options->max_depth < 1)
         return igi_fail(ctx, IGI_E_USAGE, "render: samples and max_depth must be at least 1");
     /* At least four batches, or there is no variance to speak of. */
-    j.batch = options->samples % 16 == 0 && options->samples >= 64 ? 16
-              : options->samples % 4 == 0 && options->samples >= 16 ? 4 : 1;
+    j.batch = options->samples % 16 == 0 && options->samples >= 64  ? 16
+              : options->samples % 4 == 0 && options->samples >= 16 ? 4
+                                                                    : 1;
     j.batches = options->samples / j.batch;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, count + 1, &j.first_tile));
     for (size_t i = 0; i < count; i++) {
@@ -186,8 +190,7 @@ cleanup:
 
 igi_status igi_render(igi_context *ctx, const igi_scene *scene, const igi_materials *materials,
                       const igi_light *lights, size_t light_count, const igi_camera *camera,
-                      const igi_render_options *options, igi_image **picture,
-                      igi_image **variance)
+                      const igi_render_options *options, igi_image **picture, igi_image **variance)
 {
     igi_status status = IGI_OK;
     igi_renderer *renderer = NULL;

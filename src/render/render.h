@@ -13,9 +13,8 @@ typedef struct igi_renderer igi_renderer;
 
 /* Scene, materials and lights must outlive it. Materials are found by the regions' names. */
 IGI_MUST_USE igi_status igi_renderer_create(igi_context *ctx, const igi_scene *scene,
-                                            const igi_materials *materials,
-                                            const igi_light *lights, size_t light_count,
-                                            igi_renderer **renderer);
+                                            const igi_materials *materials, const igi_light *lights,
+                                            size_t light_count, igi_renderer **renderer);
 void igi_renderer_destroy(igi_renderer *renderer);
 
 /* Pictures [count] of the cameras, into images of their size and the scene's bands; variances

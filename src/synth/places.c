@@ -10,9 +10,9 @@
 
 #include <math.h>
 
-#define TRIES 20000      /* for a free place */
-#define CANDIDATES 12    /* for each view */
-#define POINTS_EACH 100  /* of a region, to tell what a view shows */
+#define TRIES 20000     /* for a free place */
+#define CANDIDATES 12   /* for each view */
+#define POINTS_EACH 100 /* of a region, to tell what a view shows */
 
 static igi_vec random_in(igi_rng *rng, igi_vec low, igi_vec high)
 {
@@ -59,7 +59,7 @@ typedef struct chooser {
     igi_vec low, high; /* of the eyes */
     igi_vec *hidden;   /* points that no view may see */
     size_t hidden_count;
-    int region; /* the one looked at last */
+    int region;      /* the one looked at last */
     igi_vec *points; /* on all regions alike */
     float *worth;    /* of seeing each once more */
     size_t point_count;

@@ -84,7 +84,8 @@ static igi_status add_ceiling(igi_context *ctx, spec *s, const igi_json *at, int
 {
     enum { MOST = 8 };
     static const char *const known[] = {"from", "to", "material"};
-    double low[MOST][2], high[MOST][2], xs[2 * MOST + 2] = {0, size[0]}, ys[2 * MOST + 2] = {0, size[1]};
+    double low[MOST][2], high[MOST][2], xs[2 * MOST + 2] = {0, size[0]},
+                                                      ys[2 * MOST + 2] = {0, size[1]};
     int of[MOST] = {0};
     size_t count = 0, lines = 2;
     igi_json panels = igi_json_member(at, "panels");
@@ -112,8 +113,10 @@ static igi_status add_ceiling(igi_context *ctx, spec *s, const igi_json *at, int
             double x = (xs[i] + xs[i + 1]) / 2, y = (ys[j] + ys[j + 1]) / 2;
             int which = material;
             for (size_t p = 0; p < count; p++)
-                if (x > low[p][0] && x < high[p][0] && y > low[p][1] && y < high[p][1]) which = of[p];
-            IGI_TRY(add_rectangle(ctx, s, which, size[2], xs[i], ys[j], xs[i + 1], ys[j + 1], false));
+                if (x > low[p][0] && x < high[p][0] && y > low[p][1] && y < high[p][1])
+                    which = of[p];
+            IGI_TRY(
+                add_rectangle(ctx, s, which, size[2], xs[i], ys[j], xs[i + 1], ys[j + 1], false));
         }
     return IGI_OK;
 }
@@ -121,7 +124,8 @@ static igi_status add_ceiling(igi_context *ctx, spec *s, const igi_json *at, int
 /* A box seen from inside: floor z = 0, walls south y = 0, north, west x = 0, east. */
 static igi_status read_room(igi_context *ctx, spec *s, const igi_json *at)
 {
-    static const char *const known[] = {"type", "size", "floor", "ceiling", "walls", "panels", "tile"};
+    static const char *const known[] = {"type",  "size",   "floor", "ceiling",
+                                        "walls", "panels", "tile"};
     double size[3], tile[2];
     int ground = 0, ceiling = 0, walls[4] = {0};
     IGI_TRY(igi_json_check_keys(ctx, at, known, COUNT(known)));
@@ -132,7 +136,8 @@ static igi_status read_room(igi_context *ctx, spec *s, const igi_json *at)
     igi_json wall = igi_json_member(at, "walls");
     size_t count = 4;
     if (json_is_array(wall.value)) IGI_TRY(igi_json_array(ctx, &wall, &count));
-    if (count != 4) return igi_json_fail(ctx, &wall, "has %zu walls; give south, north, west, east", count);
+    if (count != 4)
+        return igi_json_fail(ctx, &wall, "has %zu walls; give south, north, west, east", count);
     for (size_t i = 0; i < 4; i++) {
         igi_json one = igi_json_element(&wall, i);
         IGI_TRY(find_material(ctx, s, json_is_array(wall.value) ? &one : &wall, &walls[i]));
@@ -248,7 +253,8 @@ igi_status shape_read(igi_context *ctx, spec *s, const igi_json *at)
     if (strcmp(name, "box") == 0) return read_box(ctx, s, at);
     if (strcmp(name, "sphere") == 0) return read_sphere(ctx, s, at);
     if (strcmp(name, "quad") == 0) return read_quad(ctx, s, at);
-    return igi_json_fail(ctx, &type, "no shape is \"%s\"; there are room, box, sphere and quad", name);
+    return igi_json_fail(ctx, &type, "no shape is \"%s\"; there are room, box, sphere and quad",
+                         name);
 }
 
 igi_status shapes_save(igi_context *ctx, const spec *s, const char *path)
@@ -268,7 +274,8 @@ igi_status shapes_save(igi_context *ctx, const spec *s, const char *path)
             fprintf(file, "usemtl %s\n", s->materials->materials[material].region);
         }
         for (int c = 0; c < f->corners; c++)
-            fprintf(file, "v %.7g %.7g %.7g\n", f->position[c][0], f->position[c][1], f->position[c][2]);
+            fprintf(file, "v %.7g %.7g %.7g\n", f->position[c][0], f->position[c][1],
+                    f->position[c][2]);
         for (int c = 0; textured && c < f->corners; c++)
             fprintf(file, "vt %.7g %.7g\n", f->uv[c][0], f->uv[c][1]);
         for (int t = 0; t < f->corners - 2; t++) {

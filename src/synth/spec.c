@@ -26,13 +26,13 @@ igi_status optional_int(igi_context *ctx, const igi_json *object, const char *ke
     double number = *value;
     IGI_TRY(optional_number(ctx, object, key, low, high, &number));
     igi_json at = igi_json_member(object, key);
-    if (number != floor(number)) return igi_json_fail(ctx, &at, "is %g; give a whole number", number);
+    if (number != floor(number))
+        return igi_json_fail(ctx, &at, "is %g; give a whole number", number);
     *value = (int)number;
     return IGI_OK;
 }
 
-igi_status member_vector(igi_context *ctx, const igi_json *object, const char *key,
-                         double value[3])
+igi_status member_vector(igi_context *ctx, const igi_json *object, const char *key, double value[3])
 {
     igi_json at = igi_json_member(object, key);
     return igi_json_numbers(ctx, &at, 3, value);
@@ -66,7 +66,8 @@ static igi_status read_texture(igi_context *ctx, const igi_json *at, int bands, 
     for (size_t i = 0; i < COUNT(kinds); i++)
         if (strcmp(kind, kinds[i]) == 0) t->kind = (texture_kind)(i + 1);
     if (t->kind == TEXTURE_NONE)
-        return igi_json_fail(ctx, &kind_at, "no texture is \"%s\"; there are checker, stripes and noise", kind);
+        return igi_json_fail(ctx, &kind_at,
+                             "no texture is \"%s\"; there are checker, stripes and noise", kind);
     size_t count;
     IGI_TRY(igi_json_array(ctx, &colours, &count));
     if (count != 2) return igi_json_fail(ctx, &colours, "has %zu colours; give two", count);
@@ -89,20 +90,23 @@ static igi_status read_lobe(igi_context *ctx, const igi_json *at, int bands, igi
     const char *name = "lambert";
     if (model.value) IGI_TRY(igi_json_string(ctx, &model, &name));
     if (!igi_model_from_name(name, &m->model))
-        return igi_json_fail(ctx, &model, "no model is \"%s\"; there are lambert, ward, ggx and phong", name);
+        return igi_json_fail(ctx, &model,
+                             "no model is \"%s\"; there are lambert, ward, ggx and phong", name);
     if (m->model == IGI_LAMBERT) return IGI_OK;
     IGI_TRY(read_bands(ctx, &specular, bands, m->specular_rgb));
     m->specular_is_rgb = json_is_array(specular.value);
     for (int b = 0; b < bands; b++) m->specular += m->specular_rgb[b] / bands;
     m->alpha = -1;
     IGI_TRY(optional_number(ctx, at, "alpha", 1e-3, 1, &m->alpha));
-    if (m->alpha < 0) return igi_json_fail(ctx, at, "a glossy material needs \"alpha\", 0.001 to 1");
+    if (m->alpha < 0)
+        return igi_json_fail(ctx, at, "a glossy material needs \"alpha\", 0.001 to 1");
     return IGI_OK;
 }
 
 static igi_status read_material(igi_context *ctx, spec *s, const igi_json *at, const char *name)
 {
-    static const char *const known[] = {"albedo", "model", "specular", "alpha", "texture", "emitter"};
+    static const char *const known[] = {"albedo", "model",   "specular",
+                                        "alpha",  "texture", "emitter"};
     size_t i = s->materials->count++;
     igi_material *m = &s->materials->materials[i];
     igi_json albedo = igi_json_member(at, "albedo"), map = igi_json_member(at, "texture");
@@ -183,8 +187,10 @@ static igi_status read_relit(igi_context *ctx, spec *s)
 
 static igi_status read_views(igi_context *ctx, spec *s)
 {
-    igi_json views = igi_json_member(&s->root, "views"), heldout = igi_json_member(&s->root, "heldout");
-    s->views = (view_set){.width = 320, .height = 240, .count = 24, .samples = 128, .fov_deg = 75, .seed = 1};
+    igi_json views = igi_json_member(&s->root, "views"),
+             heldout = igi_json_member(&s->root, "heldout");
+    s->views = (view_set){
+        .width = 320, .height = 240, .count = 24, .samples = 128, .fov_deg = 75, .seed = 1};
     IGI_TRY(views_read(ctx, &views, &s->views));
     s->has_heldout = heldout.value != NULL;
     if (!s->has_heldout) return IGI_OK;
@@ -197,7 +203,7 @@ static igi_status read_views(igi_context *ctx, spec *s)
 
 igi_status spec_load(igi_context *ctx, const char *path, spec *s)
 {
-    static const char *const known[] = {"igi_synth", "name",  "about",   "bands", "materials",
+    static const char *const known[] = {"igi_synth", "name",   "about", "bands",   "materials",
                                         "shapes",    "lights", "views", "heldout", "relit"};
     int bands = 3;
     double version;
@@ -206,9 +212,11 @@ igi_status spec_load(igi_context *ctx, const char *path, spec *s)
     s->root = igi_json_root(&s->file);
     IGI_TRY(igi_json_object(ctx, &s->root));
     IGI_TRY(igi_json_check_keys(ctx, &s->root, known, COUNT(known)));
-    igi_json number = igi_json_member(&s->root, "igi_synth"), name = igi_json_member(&s->root, "name");
+    igi_json number = igi_json_member(&s->root, "igi_synth"),
+             name = igi_json_member(&s->root, "name");
     IGI_TRY(igi_json_number(ctx, &number, &version));
-    if (version != 1) return igi_json_fail(ctx, &number, "is %g; this program reads version 1", version);
+    if (version != 1)
+        return igi_json_fail(ctx, &number, "is %g; this program reads version 1", version);
     IGI_TRY(igi_json_string(ctx, &name, &s->name));
     IGI_TRY(optional_int(ctx, &s->root, "bands", 1, IGI_MAX_BANDS, &bands));
     IGI_TRY(read_materials(ctx, s, bands));

@@ -43,8 +43,9 @@ static igi_status make_folder(const maker *m, const char *name)
     IGI_TRY(path_in(m, name, &path));
     igi_status status = IGI_OK;
     if (mkdir(path, 0777) != 0 && errno != EEXIST)
-        status = igi_fail(m->ctx, IGI_E_SYSTEM, "%s: cannot be made (%s); check the folder above it",
-                          path, strerror(errno));
+        status = igi_fail(m->ctx, IGI_E_SYSTEM,
+                          "%s: cannot be made (%s); check the folder above it", path,
+                          strerror(errno));
     igi_free(path);
     return status;
 }
@@ -91,8 +92,9 @@ static igi_status write_manifest(const maker *m)
                              "scene.obj", "cameras", "transforms.json", "lights",
                              m->spec.lights.value, "regions", regions);
     char *path = NULL;
-    igi_status status = bad || !root ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
-                                     : path_in(m, "scene.json", &path);
+    igi_status status = bad || !root
+                            ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
+                            : path_in(m, "scene.json", &path);
     if (status == IGI_OK) status = save_json(m->ctx, root, path);
     igi_free(path);
     json_decref(root);
@@ -107,7 +109,8 @@ static igi_status make_map(maker *m, size_t i)
     igi_image *image = NULL;
     char *path = NULL;
     igi_status status = IGI_OK;
-    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/truth/albedo/%s.exr", m->folder, material->region));
+    IGI_TRY_GOTO(
+        igi_strprintf(m->ctx, &path, "%s/truth/albedo/%s.exr", m->folder, material->region));
     IGI_TRY_GOTO(texture_make(m->ctx, &m->spec.textures[i], bands, &image));
     IGI_TRY_GOTO(igi_image_save_exr(m->ctx, image, IGI_EXR_HALF, path));
     IGI_TRY_GOTO(igi_image_load_exr(m->ctx, path, &material->map));
@@ -158,10 +161,13 @@ static igi_status take_pictures(maker *m, const char *folder, const view_set *vi
     options.samples = views->samples;
     IGI_TRY_GOTO(IGI_ALLOC(m->ctx, count, &pictures));
     for (size_t i = 0; i < count; i++)
-        IGI_TRY_GOTO(igi_image_create(m->ctx, views->width, views->height, m->scene->bands, &pictures[i]));
-    IGI_TRY_GOTO(igi_renderer_create(m->ctx, m->scene, m->spec.materials, by->lights, by->count, &renderer));
+        IGI_TRY_GOTO(
+            igi_image_create(m->ctx, views->width, views->height, m->scene->bands, &pictures[i]));
+    IGI_TRY_GOTO(
+        igi_renderer_create(m->ctx, m->scene, m->spec.materials, by->lights, by->count, &renderer));
     igi_stage_begin(m->ctx, by->stage);
-    IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed, pictures, NULL));
+    IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed,
+                                     pictures, NULL));
     IGI_TRY_GOTO(save_pictures(m, folder, pictures, count));
 cleanup:
     for (size_t i = 0; pictures && i < count; i++) igi_image_destroy(pictures[i]);
@@ -171,8 +177,8 @@ cleanup:
 }
 
 /* One set of views with its cameras and pictures; *cameras may be asked for. */
-static igi_status make_views(maker *m, const char *folder, const view_set *views,
-                             const lit_by *by, igi_camera **cameras, size_t *camera_count)
+static igi_status make_views(maker *m, const char *folder, const view_set *views, const lit_by *by,
+                             igi_camera **cameras, size_t *camera_count)
 {
     igi_status status = IGI_OK;
     igi_camera *chosen = NULL;

@@ -12,7 +12,12 @@
 #include <igi/material.h>
 #include <igi/synth.h>
 
-typedef enum texture_kind { TEXTURE_NONE, TEXTURE_CHECKER, TEXTURE_STRIPES, TEXTURE_NOISE } texture_kind;
+typedef enum texture_kind {
+    TEXTURE_NONE,
+    TEXTURE_CHECKER,
+    TEXTURE_STRIPES,
+    TEXTURE_NOISE
+} texture_kind;
 
 typedef struct texture {
     texture_kind kind;
@@ -48,7 +53,7 @@ typedef struct face {
 
 typedef struct spec {
     igi_json_file file;
-    igi_json root;  /* parent of every value kept here */
+    igi_json root; /* parent of every value kept here */
     const char *name;
     igi_materials *materials; /* as truth; of a region: albedo, model, lobe, map */
     texture *textures;        /* [materials->count] */
@@ -88,9 +93,8 @@ IGI_MUST_USE igi_status views_save(igi_context *ctx, const igi_camera *cameras, 
                                    const char *path);
 igi_camera view_camera(const view_set *views, igi_vec eye, igi_vec target);
 /* Cameras at free places within the scene. */
-IGI_MUST_USE igi_status views_place(igi_context *ctx, const view_set *views,
-                                    const igi_scene *scene, const igi_tracer *tracer,
-                                    igi_camera *cameras, size_t count);
+IGI_MUST_USE igi_status views_place(igi_context *ctx, const view_set *views, const igi_scene *scene,
+                                    const igi_tracer *tracer, igi_camera *cameras, size_t count);
 bool view_sees(const igi_camera *camera, const igi_tracer *tracer, igi_vec point);
 
 /* A map of the texture; `image` is made. */

@@ -22,7 +22,8 @@ static double noise(uint64_t seed, double u, double v, int cells)
     fx = fx * fx * (3 - 2 * fx);
     fy = fy * fy * (3 - 2 * fy);
     double low = lattice(seed, i, j, cells) * (1 - fx) + lattice(seed, i + 1, j, cells) * fx;
-    double high = lattice(seed, i, j + 1, cells) * (1 - fx) + lattice(seed, i + 1, j + 1, cells) * fx;
+    double high = lattice(seed, i, j + 1, cells) * (1 - fx) +
+                  lattice(seed, i + 1, j + 1, cells) * fx;
     return low * (1 - fy) + high * fy;
 }
 

@@ -30,11 +30,13 @@ static double seen_share(const igi_scene *scene, const igi_tracer *tracer, size_
         below += (double)igi_triangle_area(mesh, t);
         for (; next < POINTS && ((double)next + .5) / POINTS * area < below; next++) {
             /* The plastic-number sequence over the triangle (Roberts 2018). */
-            double a = fmod(.5 + 0.7548776662466927 * (double)next, 1), b = fmod(.5 + 0.5698402909980532 * (double)next, 1);
+            double a = fmod(.5 + 0.7548776662466927 * (double)next, 1),
+                   b = fmod(.5 + 0.5698402909980532 * (double)next, 1);
             float root = sqrtf((float)a), v = (float)b;
             igi_vec p = igi_triangle_point(mesh, t, root * (1 - v), root * v);
             bool is_seen = false;
-            for (size_t i = 0; i < camera_count && !is_seen; i++) is_seen = view_sees(&cameras[i], tracer, p);
+            for (size_t i = 0; i < camera_count && !is_seen; i++)
+                is_seen = view_sees(&cameras[i], tracer, p);
             seen += is_seen;
         }
     }
@@ -69,7 +71,9 @@ static int add_region(json_t *regions, const igi_region *region, const igi_mater
     if (glossy && m->specular_is_rgb)
         bad |= json_object_set_new(o, "specular_rgb", bands_json(m->specular_rgb, bands));
     bad |= json_object_set_new(o, "roughness",
-                               json_real(m->model == IGI_GGX ? sqrt(m->alpha) : glossy ? m->alpha : 0));
+                               json_real(m->model == IGI_GGX ? sqrt(m->alpha)
+                                         : glossy            ? m->alpha
+                                                             : 0));
     bad |= json_object_set_new(o, "model", json_string(igi_model_name(m->model)));
     if (glossy) bad |= json_object_set_new(o, "alpha", json_real(m->alpha));
     if (m->map && region->uvs_wrap) bad |= json_object_set_new(o, "uv_wrap", json_true());

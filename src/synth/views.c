@@ -58,8 +58,9 @@ static igi_status read_ring(igi_context *ctx, const igi_json *parent, view_set *
 
 igi_status views_read(igi_context *ctx, const igi_json *at, view_set *views)
 {
-    static const char *const known[] = {"width", "height", "count",     "samples", "fov_deg", "seed",
-                                        "eyes",  "unseen", "clearance", "ring",    "look"};
+    static const char *const known[] = {"width",     "height", "count", "samples",
+                                        "fov_deg",   "seed",   "eyes",  "unseen",
+                                        "clearance", "ring",   "look"};
     if (!at->value) return IGI_OK;
     int seed = (int)views->seed;
     IGI_TRY(igi_json_object(ctx, at));
@@ -85,8 +86,12 @@ igi_camera view_camera(const view_set *views, igi_vec eye, igi_vec target)
     igi_vec right = igi_normalize(igi_cross(up, back));
     up = igi_cross(back, right);
     double focal = views->width / (2 * tan(views->fov_deg * IGI_PI / 360));
-    igi_camera c = {.width = views->width, .height = views->height, .fl_x = focal, .fl_y = focal,
-                    .cx = views->width / 2.0, .cy = views->height / 2.0};
+    igi_camera c = {.width = views->width,
+                    .height = views->height,
+                    .fl_x = focal,
+                    .fl_y = focal,
+                    .cx = views->width / 2.0,
+                    .cy = views->height / 2.0};
     const igi_vec columns[4] = {right, up, back, eye};
     for (int k = 0; k < 4; k++) {
         c.camera_to_world[0][k] = (double)columns[k].x;
@@ -114,7 +119,8 @@ igi_status views_choose(igi_context *ctx, const view_set *views, const igi_scene
     for (size_t i = 0; i < *count; i++) {
         igi_vec target = igi_v_ofd(views->ring_centre), eye;
         double turn = 2 * IGI_PI * (double)i / (double)*count, r = views->ring_radius;
-        eye = igi_add(target, igi_v((float)(r * cos(turn)), (float)(r * sin(turn)), (float)views->ring_height));
+        eye = igi_add(target, igi_v((float)(r * cos(turn)), (float)(r * sin(turn)),
+                                    (float)views->ring_height));
         if (views->look_count) {
             eye = igi_v_ofd(views->look[i][0]);
             target = igi_v_ofd(views->look[i][1]);
@@ -136,14 +142,16 @@ igi_status views_save(igi_context *ctx, const igi_camera *cameras, size_t count,
         }
         bad |= json_array_append_new(rows, json_pack("[ffff]", 0.0, 0.0, 0.0, 1.0));
         json_t *file = json_sprintf("images/%04zu.exr", i);
-        bad |= json_array_append_new(frames, json_pack("{soso}", "file_path", file, "transform_matrix", rows));
+        bad |= json_array_append_new(
+            frames, json_pack("{soso}", "file_path", file, "transform_matrix", rows));
     }
     const igi_camera *c = &cameras[0];
     json_t *root = json_pack("{ss si si sf sf sf sf so}", "camera_model", "OPENCV", "w", c->width,
                              "h", c->height, "fl_x", c->fl_x, "fl_y", c->fl_y, "cx", c->cx, "cy",
                              c->cy, "frames", frames);
-    igi_status status = bad || !root ? igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path)
-                                     : save_json(ctx, root, path);
+    igi_status status = bad || !root
+                            ? igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path)
+                            : save_json(ctx, root, path);
     json_decref(root);
     return status;
 }

@@ -33,7 +33,8 @@ typedef struct polar {
 
 static polar polar_of(igi_model model, float alpha, igi_vec out)
 {
-    polar p = {.axis = igi_v(-out.x, -out.y, out.z), .width = model == IGI_LAMBERT ? 1 : (double)alpha};
+    polar p = {.axis = igi_v(-out.x, -out.y, out.z),
+               .width = model == IGI_LAMBERT ? 1 : (double)alpha};
     igi_frame_of(p.axis, &p.t, &p.b);
     return p;
 }
@@ -142,7 +143,8 @@ static void samples_follow_density(void)
                 /* The sampler's albedo is the quadrature's, within 5 sigma. */
                 if (models[m] != IGI_LAMBERT)
                     CHECK_NEAR(energy, albedo,
-                               5 * sqrt(fmax(0, square - energy * energy) / SAMPLES) + 2e-3 * albedo);
+                               5 * sqrt(fmax(0, square - energy * energy) / SAMPLES) +
+                                   2e-3 * albedo);
             }
 }
 
@@ -165,7 +167,7 @@ static void energy(void)
             CHECK_NEAR(phong / (double)out.z, 1, angles_deg[o] > 60 ? .2 : 5e-3);
         }
     CHECK_NEAR(integrate(IGI_GGX, .01f, out_at(1), mass), 1, 1e-3); /* a mirror */
-    CHECK_NEAR(integrate(IGI_PHONG, 1, out_at(0), mass), 1, 1e-3); /* n = 0: diffuse */
+    CHECK_NEAR(integrate(IGI_PHONG, 1, out_at(0), mass), 1, 1e-3);  /* n = 0: diffuse */
 }
 
 static void reciprocity(void)

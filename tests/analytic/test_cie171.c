@@ -56,8 +56,10 @@ static room *dark_room(int bright)
     return r;
 }
 
-static const igi_vec floor_points[] = {{.25f, .25f, 0}, {.75f, 1.25f, 0}, {1.25f, 3.75f, 0}, {2.25f, 1.75f, 0}};
-static const igi_vec wall_points[] = {{0, .25f, .25f}, {0, 1.25f, 1}, {0, 2.25f, 2}, {0, 3.75f, 2.75f}};
+static const igi_vec floor_points[] = {
+    {.25f, .25f, 0}, {.75f, 1.25f, 0}, {1.25f, 3.75f, 0}, {2.25f, 1.75f, 0}};
+static const igi_vec wall_points[] = {
+    {0, .25f, .25f}, {0, 1.25f, 1}, {0, 2.25f, 2}, {0, 3.75f, 2.75f}};
 
 static void point_lights(void)
 {
@@ -65,9 +67,12 @@ static void point_lights(void)
     for (int surface = 0; surface < 2; surface++)
         for (int k = 0; k < 4; k++) {
             room *r = dark_room(surface);
-            (void)room_light(r, (igi_light){.type = IGI_LIGHT_POINT, .position = {2, 2, (double)lamp.z}, .value = {1000}});
+            (void)room_light(r, (igi_light){.type = IGI_LIGHT_POINT,
+                                            .position = {2, 2, (double)lamp.z},
+                                            .value = {1000}});
             igi_vec at = surface ? wall_points[k] : floor_points[k], d = igi_sub(lamp, at);
-            double l = (double)igi_length(d), e = 1000 * (double)(surface ? d.x : d.z) / (l * l * l);
+            double l = (double)igi_length(d),
+                   e = 1000 * (double)(surface ? d.x : d.z) / (l * l * l);
             CHECK_NEAR(point_read_off(r, at, 4) / e, 1, .005);
             room_free(r);
         }
@@ -91,7 +96,8 @@ static void area_lights(void)
     for (int surface = 0; surface < 2; surface++)
         for (int k = 0; k < 4; k++) {
             room *r = dark_room(surface);
-            igi_vec corners[4] = {{1.5f, 1.5f, 2.99f}, {1.5f, 2.5f, 2.99f}, {2.5f, 2.5f, 2.99f}, {2.5f, 1.5f, 2.99f}};
+            igi_vec corners[4] = {
+                {1.5f, 1.5f, 2.99f}, {1.5f, 2.5f, 2.99f}, {2.5f, 2.5f, 2.99f}, {2.5f, 1.5f, 2.99f}};
             room_quad(r, room_lamp(r, "lamp", 100), corners[0], igi_v(0, 1, 0), igi_v(1, 0, 0));
             igi_vec at = surface ? wall_points[k] : floor_points[k];
             igi_vec normal = surface ? igi_v(1, 0, 0) : igi_v(0, 0, 1);
@@ -113,7 +119,8 @@ static void flux(void)
         uint32_t regions[6] = {grey, grey, grey, grey, grey, grey};
         room_box(r, regions, 4);
         float a = sides[k], o = 2 - a / 2;
-        room_quad(r, room_lamp(r, "lamp", 100), igi_v(o, o, 3.999f), igi_v(0, a, 0), igi_v(a, 0, 0));
+        room_quad(r, room_lamp(r, "lamp", 100), igi_v(o, o, 3.999f), igi_v(0, a, 0),
+                  igi_v(a, 0, 0));
         double emitted = IGI_PI * 100 * (double)(a * a);
         double got = 0;
         for (int face = 0; face < 5; face++) {
@@ -134,7 +141,8 @@ static room *sunlit(float a, uint32_t *grey)
     *grey = room_region(r, "grey", .5);
     uint32_t white = room_region(r, "white", .8);
     room_quad(r, white, igi_v(-a / 2, -a / 2, 0), igi_v(a, 0, 0), igi_v(0, a, 0));
-    (void)room_light(r, (igi_light){.type = IGI_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .value = {1000}});
+    (void)room_light(
+        r, (igi_light){.type = IGI_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .value = {1000}});
     return r;
 }
 
@@ -142,8 +150,10 @@ static room *sunlit(float a, uint32_t *grey)
  * side, where the sun reaches only its back. */
 static void add_receiver(room *r, uint32_t grey, igi_vec at, bool vertical)
 {
-    if (vertical) room_quad(r, grey, igi_sub(at, igi_v(0, .01f, .01f)), igi_v(0, 0, .02f), igi_v(0, .02f, 0));
-    else room_quad(r, grey, igi_sub(at, igi_v(.01f, .01f, 0)), igi_v(0, .02f, 0), igi_v(.02f, 0, 0));
+    if (vertical)
+        room_quad(r, grey, igi_sub(at, igi_v(0, .01f, .01f)), igi_v(0, 0, .02f), igi_v(0, .02f, 0));
+    else
+        room_quad(r, grey, igi_sub(at, igi_v(.01f, .01f, 0)), igi_v(0, .02f, 0), igi_v(.02f, 0, 0));
 }
 
 static double read_receiver(room *r, igi_vec at, bool vertical, int samples)
@@ -200,8 +210,11 @@ static void interreflection(void)
         uint32_t wall = room_region(r, "wall", rhos[k]);
         uint32_t regions[6] = {wall, wall, wall, wall, wall, wall};
         room_box(r, regions, 4);
-        (void)room_light(r, (igi_light){.type = IGI_LIGHT_POINT, .position = {2, 2, 2}, .value = {10000 / (4 * IGI_PI)}});
-        double mean = read_off(r, igi_v(2, 2, 2), igi_v(2, 2, 0), rhos[k], 16, .5, samples[k], .003);
+        (void)room_light(r, (igi_light){.type = IGI_LIGHT_POINT,
+                                        .position = {2, 2, 2},
+                                        .value = {10000 / (4 * IGI_PI)}});
+        double mean = read_off(r, igi_v(2, 2, 2), igi_v(2, 2, 0), rhos[k], 16, .5, samples[k],
+                               .003);
         CHECK_NEAR(mean / (10000 / 96.0 / (1 - rhos[k])), 1, .005);
         room_free(r);
     }

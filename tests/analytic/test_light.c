@@ -168,15 +168,21 @@ static void small_lights(void)
     CHECK(irradiance(r, igi_v(.5f, .5f, 0), up, 4, 1) == 0);
     CHECK(irradiance(r, igi_v(-.5f, .5f, 0), up, 4, 1) > 0);
     put_out(r);
-    igi_light spot = {.type = IGI_LIGHT_SPOT, .region = -1, .position = {0, 0, 2},
-                      .direction = {0, 0, -1}, .cutoff_deg = 40, .beam_deg = 20, .value = {1}};
+    igi_light spot = {.type = IGI_LIGHT_SPOT,
+                      .region = -1,
+                      .position = {0, 0, 2},
+                      .direction = {0, 0, -1},
+                      .cutoff_deg = 40,
+                      .beam_deg = 20,
+                      .value = {1}};
     l = other_room(spot, true);
     CHECK_NEAR(irradiance(r, igi_v(0, 0, 0), up, 4, 1), .25, 1e-6);
     float x = 2 * tanf(30 * IGI_PIF / 180), c = cosf(30 * IGI_PIF / 180);
     CHECK_NEAR(irradiance(r, igi_v(x, 0, 0), up, 4, 1), .5 * (double)(c * c * c) / 4, 1e-5);
     CHECK(irradiance(r, igi_v(1.7f, 0, 0), up, 4, 1) == 0);
     put_out(r);
-    igi_light sun = {.type = IGI_LIGHT_DIRECTIONAL, .region = -1, .direction = {0, .6, -.8}, .value = {1}};
+    igi_light sun = {
+        .type = IGI_LIGHT_DIRECTIONAL, .region = -1, .direction = {0, .6, -.8}, .value = {1}};
     l = other_room(sun, false);
     CHECK_NEAR(irradiance(r, igi_v(-.5f, 0, 0), up, 4, 1), .8, 1e-6);
     CHECK(irradiance(r, igi_v(.5f, 1, 0), up, 4, 1) == 0);
@@ -185,8 +191,11 @@ static void small_lights(void)
 
 static void line(void)
 {
-    igi_light tube = {.type = IGI_LIGHT_LINE, .region = -1, .position = {-1, .5, 2},
-                      .end = {2, 1, 3}, .value = {1}};
+    igi_light tube = {.type = IGI_LIGHT_LINE,
+                      .region = -1,
+                      .position = {-1, .5, 2},
+                      .end = {2, 1, 3},
+                      .value = {1}};
     lit l = other_room(tube, true), *r = &l;
     igi_vec normals[] = {{0, 0, 1}, {1, 0, 0}, {.6f, 0, -.8f}};
     igi_vec point = {.3f, 0, 1.8f};
@@ -223,7 +232,8 @@ static void ambient(void)
     lit l = other_room(sky, false), *r = &l;
     CHECK_NEAR(irradiance(r, igi_v(0, 0, 1.5f), up, 16, 1), IGI_PI, 1e-6);
     /* All but the square. */
-    CHECK_NEAR(mean_irradiance(r, igi_v(0, 0, 0), up, 64, 4000) / IGI_PI, 1 - 0.138531605994893, 1e-3);
+    CHECK_NEAR(mean_irradiance(r, igi_v(0, 0, 0), up, 64, 4000) / IGI_PI, 1 - 0.138531605994893,
+               1e-3);
     igi_hit miss = {.triangle = IGI_NO_HIT};
     float radiance[1] = {2};
     igi_lighting_add_emitted(r->lighting, up, &miss, radiance);
@@ -241,7 +251,8 @@ static void refusals(void)
     CHECK(l == NULL);
     for (long n = 0; n < 4; n++) {
         igi_fail_allocation_after(r->room->ctx, n);
-        CHECK(igi_lighting_create(r->room->ctx, &r->room->scene, &r->room->lights[0], 1, &l) == IGI_E_SYSTEM);
+        CHECK(igi_lighting_create(r->room->ctx, &r->room->scene, &r->room->lights[0], 1, &l) ==
+              IGI_E_SYSTEM);
         CHECK(l == NULL);
     }
     igi_fail_allocation_after(r->room->ctx, -1);

@@ -150,7 +150,8 @@ static void lobes_under_a_lamp(void)
     for (int m = 0; m < 3; m++)
         for (int a = 0; a < 3; a++) {
             room *r = lobe_room(lobes[m], .2, .3, a == 0 ? .5 : a == 1 ? .15 : .05);
-            room_quad(r, room_lamp(r, "lamp", 3), igi_v(-1.6f, -.4f, 1), igi_v(0, .8f, 0), igi_v(.8f, 0, 0));
+            room_quad(r, room_lamp(r, "lamp", 3), igi_v(-1.6f, -.4f, 1), igi_v(0, .8f, 0),
+                      igi_v(.8f, 0, 0));
             igi_vec out = igi_normalize(eye_at(50));
             double sum = 0;
             int n = 600;
@@ -158,7 +159,8 @@ static void lobes_under_a_lamp(void)
                 igi_vec to = {-1.6f + .8f * ((float)(i / n) + .5f) / (float)n,
                               -.4f + .8f * ((float)(i % n) + .5f) / (float)n, 1};
                 double d2 = (double)igi_dot(to, to);
-                sum += 3 * reflect(r, igi_normalize(to), out) / sqrt(d2) / d2 * .64 / ((double)n * n);
+                sum += 3 * reflect(r, igi_normalize(to), out) / sqrt(d2) / d2 * .64 /
+                       ((double)n * n);
             }
             picture p = take(r, eye_at(50), igi_v(0, 0, 0), 8, 1000, 1024);
             CHECK_NEAR(p.mean / sum, 1, 4 * p.sigma / p.mean + 1e-3);
@@ -172,7 +174,12 @@ static void small_lights(void)
 {
     igi_light lights[] = {
         {.type = IGI_LIGHT_POINT, .position = {.5, .2, 2}, .value = {3}},
-        {.type = IGI_LIGHT_SPOT, .position = {0, .3, 2}, .direction = {0, 0, -1}, .cutoff_deg = 30, .beam_deg = 5, .value = {3}},
+        {.type = IGI_LIGHT_SPOT,
+         .position = {0, .3, 2},
+         .direction = {0, 0, -1},
+         .cutoff_deg = 30,
+         .beam_deg = 5,
+         .value = {3}},
         {.type = IGI_LIGHT_LINE, .position = {-1, 0, 1}, .end = {1, 1, 2}, .value = {3}},
         {.type = IGI_LIGHT_DIRECTIONAL, .direction = {.6, 0, -.8}, .value = {3}}};
     for (int k = 0; k < 4; k++) {
@@ -182,7 +189,8 @@ static void small_lights(void)
         igi_lighting *lighting;
         CHECK_OK(r->ctx, igi_tracer_create(r->ctx, &r->scene.mesh, &tracer));
         CHECK_OK(r->ctx, igi_lighting_create(r->ctx, &r->scene, r->lights, 1, &lighting));
-        double e = 3 * (double)igi_light_irradiance(lighting, tracer, 0, igi_v(0, 0, 0), igi_v(0, 0, 1), 4, 1);
+        double e = 3 * (double)igi_light_irradiance(lighting, tracer, 0, igi_v(0, 0, 0),
+                                                    igi_v(0, 0, 1), 4, 1);
         picture p = take(r, eye_at(30), igi_v(0, 0, 0), 8, 10000, 256);
         CHECK(e > 0);
         CHECK_NEAR(p.mean / (e * .5 / IGI_PI), 1, 4 * p.sigma / p.mean + 1e-4);
@@ -280,7 +288,8 @@ static void same_bytes(void)
     int threads[] = {1, 2, 7};
     for (int k = 0; k < 3; k++) {
         room *r = box_room(threads[k], 16);
-        pictures[k] = take_camera(r, room_camera(igi_v(.3f, .4f, 2), igi_v(3, 2, 1), 40, .8), 4, 64);
+        pictures[k] = take_camera(r, room_camera(igi_v(.3f, .4f, 2), igi_v(3, 2, 1), 40, .8), 4,
+                                  64);
         size_t bytes = 1600 * 16 * sizeof(float);
         CHECK(memcmp(pictures[k].image->samples, pictures[0].image->samples, bytes) == 0);
         room_free(r);

@@ -51,7 +51,8 @@ static void compare_view(shooting *s, const igi_light *lights, size_t light_coun
     igi_vec eye = igi_camera_centre(&frame->camera);
     for (int y = 0; y < ours->height; y++)
         for (int x = 0; x < ours->width; x++) {
-            igi_hit hit = igi_trace(s->tracer, eye, igi_camera_direction(&frame->camera, x + .5, y + .5));
+            igi_hit hit = igi_trace(s->tracer, eye,
+                                    igi_camera_direction(&frame->camera, x + .5, y + .5));
             if (hit.triangle == IGI_NO_HIT) continue;
             uint32_t region = s->scene->mesh.regions[hit.triangle];
             if (s->scene->regions[region].emitter) continue;

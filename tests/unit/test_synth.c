@@ -13,21 +13,30 @@ static const char *const SPEC = "test_synth_spec.json";
 static const char room[] =
     "{ \"igi_synth\": 1, \"name\": \"tiny\",\n"
     "  \"materials\": {\n"
-    "    \"floor\": { \"texture\": { \"kind\": \"noise\", \"colours\": [[0.6, 0.5, 0.4], [0.2, 0.2, 0.3]], \"cells\": 3, \"size\": 32 } },\n"
+    "    \"floor\": { \"texture\": { \"kind\": \"noise\", \"colours\": [[0.6, 0.5, 0.4], [0.2, "
+    "0.2, 0.3]], \"cells\": 3, \"size\": 32 } },\n"
     "    \"wall\": { \"albedo\": [0.5, 0.6, 0.7] },\n"
     "    \"block\": { \"albedo\": 0.3, \"model\": \"ggx\", \"specular\": 0.05, \"alpha\": 0.25 },\n"
     "    \"lamp\": { \"emitter\": true } },\n"
     "  \"shapes\": [\n"
-    "    { \"type\": \"room\", \"size\": [3, 4, 2.5], \"floor\": \"floor\", \"ceiling\": \"wall\", \"walls\": \"wall\", \"tile\": [2, 2],\n"
+    "    { \"type\": \"room\", \"size\": [3, 4, 2.5], \"floor\": \"floor\", \"ceiling\": \"wall\", "
+    "\"walls\": \"wall\", \"tile\": [2, 2],\n"
     "      \"panels\": [ { \"from\": [1, 1], \"to\": [2, 2], \"material\": \"lamp\" } ] },\n"
-    "    { \"type\": \"sphere\", \"centre\": [1, 2, 0.5], \"radius\": 0.4, \"around\": 12, \"rings\": 6, \"material\": \"block\" },\n"
-    "    { \"type\": \"box\", \"at\": [2.2, 3, 0], \"size\": [0.5, 0.6, 0.7], \"turn_deg\": 20, \"material\": \"block\" },\n"
-    "    { \"type\": \"quad\", \"corner\": [0.01, 1, 1], \"u\": [0, 1, 0], \"v\": [0, 0, 1], \"material\": \"block\" } ],\n"
+    "    { \"type\": \"sphere\", \"centre\": [1, 2, 0.5], \"radius\": 0.4, \"around\": 12, "
+    "\"rings\": 6, \"material\": \"block\" },\n"
+    "    { \"type\": \"box\", \"at\": [2.2, 3, 0], \"size\": [0.5, 0.6, 0.7], \"turn_deg\": 20, "
+    "\"material\": \"block\" },\n"
+    "    { \"type\": \"quad\", \"corner\": [0.01, 1, 1], \"u\": [0, 1, 0], \"v\": [0, 0, 1], "
+    "\"material\": \"block\" } ],\n"
     "  \"lights\": [ { \"type\": \"area\", \"region\": \"lamp\", \"radiance\": [3, 2, 1] } ],\n"
-    "  \"views\": { \"width\": 24, \"height\": 18, \"count\": 6, \"samples\": 4, \"unseen\": { \"low\": [2.5, 3.5, 0], \"high\": [3, 4, 2.5] } },\n"
+    "  \"views\": { \"width\": 24, \"height\": 18, \"count\": 6, \"samples\": 4, \"unseen\": { "
+    "\"low\": [2.5, 3.5, 0], \"high\": [3, 4, 2.5] } },\n"
     "  \"heldout\": { \"count\": 1 },\n"
-    "  \"relit\": [ { \"lights\": [ { \"type\": \"point\", \"position\": [1.5, 2, 2], \"intensity\": [1, 1, 1] } ], \"views\": { \"ring\": { \"centre\": [1.5, 2, 1], \"radius\": 1.2, \"height\": 0.2 }, \"count\": 2 } },\n"
-    "             { \"lights\": [], \"views\": { \"look\": [ { \"eye\": [0.5, 0.5, 1], \"target\": [1.5, 1.5, 2.5] } ] } } ] }\n";
+    "  \"relit\": [ { \"lights\": [ { \"type\": \"point\", \"position\": [1.5, 2, 2], "
+    "\"intensity\": [1, 1, 1] } ], \"views\": { \"ring\": { \"centre\": [1.5, 2, 1], \"radius\": "
+    "1.2, \"height\": 0.2 }, \"count\": 2 } },\n"
+    "             { \"lights\": [], \"views\": { \"look\": [ { \"eye\": [0.5, 0.5, 1], \"target\": "
+    "[1.5, 1.5, 2.5] } ] } } ] }\n";
 
 static void write_spec(const char *text)
 {
@@ -99,6 +108,60 @@ static void whole_folder(void)
     igi_context_destroy(ctx);
 }
 
+static double mean_of(igi_context *ctx, const char *path)
+{
+    igi_image *image = NULL;
+    double sum = 0;
+    CHECK_OK(ctx, igi_image_load_exr(ctx, path, &image));
+    if (!image) return NAN;
+    size_t count = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
+    for (size_t i = 0; i < count; i++) sum += (double)image->samples[i] / (double)count;
+    igi_image_destroy(image);
+    return sum;
+}
+
+/* The truth, and the same as a recovery's folder with scene.glb, give the photographs again. */
+static void relight(void)
+{
+    igi_context *ctx = test_context(2);
+    igi_scene *scene = NULL;
+    igi_materials *truth = NULL;
+    igi_render_options options;
+    igi_render_options_init(&options);
+    options.samples = 256;
+    write_spec(room);
+    CHECK_OK(ctx, igi_synth(ctx, SPEC, "test_synth_a"));
+    CHECK_OK(ctx, igi_scene_load(ctx, "test_synth_a", &scene));
+    CHECK_OK(ctx, igi_materials_load(ctx, "test_synth_a/truth", &truth));
+    if (!scene || !truth) abort();
+    (void)mkdir("test_synth_result", 0777);
+    (void)mkdir("test_synth_relit", 0777);
+    for (size_t i = 0; i < scene->region_count;
+         i++) /* as a recovery has them: in the scene's order */
+        CHECK_STR(truth->materials[i].region, scene->regions[i].name);
+    CHECK_OK(ctx, igi_materials_save(ctx, truth, scene, "test_synth_result"));
+    CHECK_OK(ctx, igi_materials_save_glb(ctx, truth, scene, "test_synth_result/scene.glb"));
+    static const char *const from[] = {"test_synth_a/truth", "test_synth_result"};
+    for (int i = 0; i < 2; i++) {
+        CHECK_OK(ctx, igi_relight(ctx, from[i], NULL, "test_synth_a/transforms.json", &options,
+                                  true, "test_synth_relit"));
+        double want = mean_of(ctx, scene->frames[2].path);
+        CHECK_NEAR(mean_of(ctx, "test_synth_relit/0002.exr") / want, 1, .05);
+        CHECK(mean_of(ctx, "test_synth_relit/0002.variance.exr") < .01 * want * want);
+    }
+    CHECK_OK(ctx, igi_relight(ctx, from[0], "test_synth_a/relit/lights.json",
+                              "test_synth_a/relit/transforms.json", &options, false,
+                              "test_synth_relit"));
+    double want = mean_of(ctx, "test_synth_a/relit/images/0001.exr");
+    CHECK_NEAR(mean_of(ctx, "test_synth_relit/0001.exr") / want, 1, .05);
+    CHECK(igi_relight(ctx, "test_synth_relit", NULL, "test_synth_a/transforms.json", &options,
+                      false, "test_synth_relit") == IGI_E_DATA);
+    CHECK_CONTAINS(igi_context_message(ctx), "neither materials.json nor truth.json");
+    igi_materials_destroy(truth);
+    igi_scene_destroy(scene);
+    igi_context_destroy(ctx);
+}
+
 static bool same_file(const char *name)
 {
     char a[256], b[256];
@@ -117,10 +180,17 @@ static bool same_file(const char *name)
 
 static void same_bytes(void)
 {
-    static const char *const files[] = {
-        "scene.json", "scene.obj", "transforms.json", "images/0000.exr", "images/0005.exr",
-        "truth/truth.json", "truth/albedo/floor.exr", "heldout/images/0000.exr",
-        "heldout/transforms.json", "relit/lights.json", "relit/images/0001.exr"};
+    static const char *const files[] = {"scene.json",
+                                        "scene.obj",
+                                        "transforms.json",
+                                        "images/0000.exr",
+                                        "images/0005.exr",
+                                        "truth/truth.json",
+                                        "truth/albedo/floor.exr",
+                                        "heldout/images/0000.exr",
+                                        "heldout/transforms.json",
+                                        "relit/lights.json",
+                                        "relit/images/0001.exr"};
     igi_context *one = test_context(1), *seven = test_context(7);
     write_spec(room);
     CHECK_OK(one, igi_synth(one, SPEC, "test_synth_a"));
@@ -167,8 +237,9 @@ static void mistakes(void)
 /* Every spec of the repository is sound: each is made with a few pixels. */
 static void shipped_specs(void)
 {
-    static const char *const names[] = {"demo-room", "cornell-box", "cubical-room", "office",
-                                        "white-room-hidden", "colour-bleeding", "no-highlight"};
+    static const char *const names[] = {"demo-room",   "cornell-box",       "cubical-room",
+                                        "office",      "white-room-hidden", "colour-bleeding",
+                                        "no-highlight"};
     static char text[16384];
     igi_context *ctx = test_context(2);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -194,4 +265,4 @@ static void shipped_specs(void)
 }
 
 TEST_MAIN({"whole folder", whole_folder}, {"same bytes", same_bytes}, {"mistakes", mistakes},
-          {"shipped specs", shipped_specs})
+          {"shipped specs", shipped_specs}, {"relight", relight})

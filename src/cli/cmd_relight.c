@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * igi relight: pictures of a recovered scene under other lights.
+ */
+#include "cli.h"
+
+static igi_status save_manifest(cli_session *s, const char *folder)
+{
+    char command[4096], text[24][32];
+    igi_setting settings[24];
+    const char *inputs[2] = {s->values.cameras, s->values.lights};
+    cli_command_line(s, command, sizeof command);
+    igi_manifest manifest = {.command = command,
+                             .setting_count = cli_settings(s, settings, text, 24),
+                             .settings = settings,
+                             .input_count = s->values.lights ? 2 : 1,
+                             .inputs = inputs};
+    return igi_manifest_save(s->context, &manifest, folder);
+}
+
+static igi_status run(cli_session *s)
+{
+    const cli_values *values = &s->values;
+    igi_output *output = NULL;
+    igi_render_options options;
+    if (!values->output || !values->cameras) {
+        fprintf(stderr, values->output ? "igi: relight: which views? give a file with --cameras\n"
+                                       : "igi: relight: where to? give a folder with -o\n");
+        return IGI_E_USAGE;
+    }
+    igi_render_options_init(&options);
+    options.samples = (int)values->samples;
+    const char *folder = s->arguments[0];
+    igi_status status = igi_output_begin(s->context, values->output, values->force, folder,
+                                         &output);
+    if (status == IGI_OK)
+        status = igi_relight(s->context, folder, values->lights, values->cameras, &options,
+                             values->variance, igi_output_folder(output));
+    if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output));
+    if (status == IGI_OK) status = igi_output_commit(s->context, output);
+    cli_progress_clear(&s->progress);
+    if (status == IGI_OK && !values->quiet) printf("%s: written\n", values->output);
+    igi_output_destroy(output);
+    return status;
+}
+
+const cli_command cli_relight = {
+    .name = "relight",
+    .bit = CLI_RELIGHT,
+    .arguments = 1,
+    .usage = "relight OUT --cameras T.json [--lights L.json] -o DIR",
+    .summary = "pictures of a recovered scene under other lights",
+    .example =
+        "igi relight room.out --lights evening.json --cameras room/transforms.json -o evening",
+    .details =
+        "OUT is what `igi recover` wrote, or a scene's truth folder. DIR receives an EXR for\n"
+        "each frame of T.json, named as its image. An emitter that L.json leaves out is dark.",
+    .run = run,
+};
