@@ -193,6 +193,18 @@ static void take_area_mean(const job *j, uint32_t region, igi_material *m)
     for (int b = 0; b < p->bands && area > 0; b++) m->albedo[b] = sum[b] / area;
 }
 
+static igi_status decide(igi_context *ctx, void *user, size_t index, int worker)
+{
+    (void)worker;
+    const job *j = user;
+    const igi_region *r = &j->problem->scene->regions[index];
+    igi_material *m = &j->materials->materials[index];
+    if (r->emitter || !m->determined) return IGI_OK;
+    m->textured = r->textured == IGI_YES;
+    if (r->textured != IGI_AUTO) return IGI_OK;
+    return igi_find_texture(ctx, j->problem, j->field, &j->sides, (uint32_t)index, &m->textured);
+}
+
 static igi_status make_map(igi_context *ctx, void *user, size_t index, int worker)
 {
     (void)worker;
@@ -230,15 +242,9 @@ igi_status igi_maps_create(igi_context *ctx, const igi_problem *problem, igi_fie
     job j = {.problem = problem, .field = field, .layout = layout, .materials = materials};
     size_t regions = problem->scene->region_count;
     IGI_TRY_GOTO(sort_sides(ctx, problem, &j.sides));
-    for (uint32_t r = 0; r < regions; r++) {
-        const igi_region *region = &problem->scene->regions[r];
-        igi_material *m = &materials->materials[r];
-        if (region->emitter || !m->determined) continue;
-        m->textured = region->textured == IGI_AUTO
-                          ? igi_is_textured(problem, field, &j.sides, r)
-                          : region->textured == IGI_YES;
-        if (m->textured) IGI_TRY_GOTO(igi_field_refine(ctx, field, r));
-    }
+    IGI_TRY_GOTO(igi_parallel_for(ctx, regions, decide, &j));
+    for (uint32_t r = 0; r < regions; r++)
+        if (materials->materials[r].textured) IGI_TRY_GOTO(igi_field_refine(ctx, field, r));
     IGI_TRY_GOTO(igi_parallel_for(ctx, regions, make_map, &j));
 cleanup:
     igi_free(j.sides.begin);

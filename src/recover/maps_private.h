@@ -29,9 +29,10 @@ typedef struct igi_region_sides {
     uint32_t *sides;
 } igi_region_sides;
 
-/* Is it a texture, or one albedo and noise? */
-bool igi_is_textured(const igi_problem *problem, const igi_field *field,
-                     const igi_region_sides *sides, uint32_t region);
+/* Do the photographs show a texture, or one albedo and noise? */
+IGI_MUST_USE igi_status igi_find_texture(igi_context *ctx, const igi_problem *problem,
+                                         const igi_field *field, const igi_region_sides *sides,
+                                         uint32_t region, bool *textured);
 
 /* Adds every observation of the region. */
 void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
