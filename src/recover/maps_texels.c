@@ -15,6 +15,9 @@
 /* The pixels of a texel count as much as the region's when they are this many. */
 #define POOLED 4.0f
 #define SITES_A_SIDE 8
+/* Share of the difference between neighbours that a texel's error is made of (measured on rooms
+ * with known textures). */
+#define BLUR 0.4f
 
 igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, igi_texels *texels)
 {
@@ -212,6 +215,27 @@ static bool finish_texel(const igi_texels *t, size_t i, float pooled, float *alb
     return true;
 }
 
+/* Where the texture changes from texel to texel, what lies between is a guess: adds the mean square
+ * difference to the four neighbours, in part. */
+static void add_blur(const igi_texels *t, const igi_image *map, const float *known, igi_image *std)
+{
+    size_t bands = (size_t)t->bands, size = (size_t)t->size;
+    for (size_t i = 0; i < size * size; i++) {
+        if (!(known[i] > 0)) continue;
+        size_t near[4] = {i % size > 0 ? i - 1 : i, i % size < size - 1 ? i + 1 : i,
+                          i >= size ? i - size : i, i + size < size * size ? i + size : i};
+        for (size_t b = 0; b < bands; b++) {
+            float squares = 0, *s = &std->samples[i * bands + b];
+            for (int k = 0; k < 4; k++) {
+                if (!(known[near[k]] > 0)) continue;
+                float d = map->samples[near[k] * (bands + 1) + b] - map->samples[i * (bands + 1) + b];
+                squares += 0.25f * d * d;
+            }
+            *s = sqrtf(*s * *s + BLUR * BLUR * squares);
+        }
+    }
+}
+
 /* How far a filled-in texel may be off: as much as determined ones differ from the region's mean. */
 static void spread_of(const igi_texels *t, const igi_image *map, const igi_material *m, float *spread)
 {
@@ -242,6 +266,7 @@ igi_status igi_texels_finish(igi_context *ctx, const igi_texels *texels, igi_mat
         known[i] = finish_texel(t, i, pooled, material->map->samples + i * (bands + 1),
                                 material->map_std->samples + i * bands);
     for (size_t b = 0; b < bands; b++) fallback[b] = (float)material->albedo[b];
+    if (material->textured) add_blur(t, material->map, known, material->map_std);
     spread_of(t, material->map, material, spread);
     for (size_t i = 0; i < n; i++)
         for (size_t b = 0; b < bands && !(known[i] > 0); b++)
