@@ -71,7 +71,9 @@ static igi_status link_neighbours(igi_context *ctx, work *w)
             const uint32_t *o = w->mesh->triangles + 3 * (size_t)w->atlas->triangles[other / 3];
             uint32_t c = o[other % 3], d = o[(other + 1) % 3];
             if (!((a == c && b == d) || (a == d && b == c))) continue;
-            if (w->neighbours[other] == NONE) { /* else a third triangle at one edge: none's neighbour */
+            /* A neighbour runs along the edge the other way; else it lies on the same side of it.
+             * A third triangle at an edge is none's neighbour. */
+            if (w->neighbours[other] == NONE && a == d) {
                 w->neighbours[e] = other / 3;
                 w->neighbours[other] = e / 3;
             }
