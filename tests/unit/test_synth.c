@@ -239,7 +239,7 @@ static void shipped_specs(void)
 {
     static const char *const names[] = {"demo-room",   "cornell-box",       "cubical-room",
                                         "office",      "white-room-hidden", "colour-bleeding",
-                                        "no-highlight"};
+                                        "many-lights", "no-highlight"};
     static char text[16384];
     igi_context *ctx = test_context(2);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
