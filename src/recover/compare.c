@@ -50,8 +50,8 @@ static igi_status take_photograph(igi_context *ctx, const igi_frame *frame, int 
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->photo));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->prediction));
     for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++)
-        memcpy(c->photo->samples + i * (size_t)bands,
-               image->samples + i * (size_t)image->channels, (size_t)bands * sizeof(float));
+        memcpy(c->photo->samples + i * (size_t)bands, image->samples + i * (size_t)image->channels,
+               (size_t)bands * sizeof(float));
 cleanup:
     igi_image_destroy(image);
     return status;

@@ -162,7 +162,8 @@ static void fit(const neighbour *near, int n, const moments *m, const float *val
     }
     /* of so many observations of equal weight, three are spent on the plane */
     float effective = m->w * m->w / weights;
-    float lever = 1 + m->w * (m->x * m->x * m->yy - 2 * m->x * m->y * m->xy + m->y * m->y * m->xx) / m->det;
+    float lever = 1 + m->w * (m->x * m->x * m->yy - 2 * m->x * m->y * m->xy + m->y * m->y * m->xx) /
+                          m->det;
     p->residual = squares / m->w * (effective > 4 ? effective / (effective - 3) : 4);
     p->variance = p->residual / effective * lever;
 }
@@ -460,7 +461,8 @@ void igi_field_destroy(igi_field *field)
 }
 
 /* A side that was not gathered: its lights are looked for, the rest is the neighbours'. */
-static void irradiance_without_row(const igi_field *f, uint32_t surface, igi_vec point, float *irradiance)
+static void irradiance_without_row(const igi_field *f, uint32_t surface, igi_vec point,
+                                   float *irradiance)
 {
     neighbour near[MAX_NEIGHBOURS];
     igi_vec normal = igi_tracer_normal(f->problem->tracer, igi_surface_triangle(surface));
@@ -473,8 +475,8 @@ static void irradiance_without_row(const igi_field *f, uint32_t surface, igi_vec
         irradiance[b] = fmaxf(0.0f, p.value);
     }
     for (size_t l = 0; l < f->rows->lights; l++) {
-        float direct = igi_light_irradiance(f->problem->lighting, f->problem->tracer, l, point, normal,
-                                            4, surface);
+        float direct = igi_light_irradiance(f->problem->lighting, f->problem->tracer, l, point,
+                                            normal, 4, surface);
         for (size_t b = 0; b < f->bands; b++)
             irradiance[b] += direct * (float)f->problem->lights[l].value[b];
     }
@@ -510,7 +512,8 @@ bool igi_field_of_side(const igi_field *field, uint32_t side, float *irradiance)
 {
     uint32_t row = field->rows->row_of[side];
     if (row == IGI_NO_ROW) return false;
-    memcpy(irradiance, field->side_irradiance + row * field->bands, field->bands * sizeof *irradiance);
+    memcpy(irradiance, field->side_irradiance + row * field->bands,
+           field->bands * sizeof *irradiance);
     return true;
 }
 

@@ -61,9 +61,9 @@ static igi_status refine_edges(igi_context *ctx, void *user, size_t task, int wo
         uint64_t key = igi_hash64(igi_seed(ctx) ^ igi_hash64((uint64_t)e->light << 32 | e->row));
         for (int j = 0; j < NODES_ALONG; j++)
             for (int i = 0; i < NODES_ALONG; i++)
-                f->nodes[e->nodes + (size_t)(j * NODES_ALONG + i)] =
-                    visible_share(f, e, node_point(f, side, i, j), f->normals[e->row],
-                                  key + (uint64_t)(j * NODES_ALONG + i));
+                f->nodes[e->nodes + (size_t)(j * NODES_ALONG + i)] = visible_share(
+                    f, e, node_point(f, side, i, j), f->normals[e->row],
+                    key + (uint64_t)(j * NODES_ALONG + i));
     }
     igi_count_rays(ctx, (end - begin) * NODES_ALONG * NODES_ALONG * SHADOW_RAYS);
     return IGI_OK;
@@ -96,7 +96,8 @@ igi_status igi_field_refine(igi_context *ctx, igi_field *field, uint32_t region)
         field->node_count += nodes;
     }
     refine_job job = {field, chosen, count};
-    IGI_TRY_GOTO(igi_parallel_for(ctx, (count + EDGES_A_TASK - 1) / EDGES_A_TASK, refine_edges, &job));
+    IGI_TRY_GOTO(
+        igi_parallel_for(ctx, (count + EDGES_A_TASK - 1) / EDGES_A_TASK, refine_edges, &job));
 cleanup:
     igi_free(chosen);
     return status;

@@ -41,14 +41,14 @@ struct igi_field {
     const igi_rows *rows;
     igi_rows *own_rows;
     size_t bands;
-    float radius;      /* metres, of the neighbourhood */
-    igi_vec *normals;  /* [rows] */
-    float *indirect;   /* [rows][bands] as gathered */
+    float radius;     /* metres, of the neighbourhood */
+    igi_vec *normals; /* [rows] */
+    float *indirect;  /* [rows][bands] as gathered */
     row_grid grid;
-    linear *smooth;    /* [rows][bands] indirect light, and lights without a sharp edge here */
+    linear *smooth;         /* [rows][bands] indirect light, and lights without a sharp edge here */
     float *side_irradiance; /* [rows][bands] */
-    float *std;        /* [rows] relative */
-    size_t *edge_begin; /* [rows + 1] */
+    float *std;             /* [rows] relative */
+    size_t *edge_begin;     /* [rows + 1] */
     edge *edges;
     size_t node_count;
     size_t node_capacity;

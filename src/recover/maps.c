@@ -84,7 +84,8 @@ void igi_map_at(const igi_image *map, int bands, bool wraps, float x, float y, f
         }
         column = column < 0 ? 0 : column >= map->width ? map->width - 1 : column;
         line = line < 0 ? 0 : line >= map->height ? map->height - 1 : line;
-        const float *texel = map->samples + (size_t)(line * map->width + column) * (size_t)map->channels;
+        const float *texel = map->samples +
+                             (size_t)(line * map->width + column) * (size_t)map->channels;
         float w = (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy);
         for (int b = 0; b < bands; b++) albedo[b] += w * texel[b];
     }
@@ -96,7 +97,8 @@ static igi_status sort_sides(igi_context *ctx, const igi_problem *p, igi_region_
     uint32_t sides = 2 * (uint32_t)p->patches->count;
     IGI_TRY(IGI_ALLOC(ctx, regions + 2, &s->begin));
     for (uint32_t side = 0; side < sides; side++)
-        if (igi_problem_seen_count(p, side)) s->begin[igi_patch_region(p->patches, side >> 1) + 2]++;
+        if (igi_problem_seen_count(p, side))
+            s->begin[igi_patch_region(p->patches, side >> 1) + 2]++;
     for (size_t r = 0; r < regions; r++) s->begin[r + 2] += s->begin[r + 1];
     IGI_TRY(IGI_ALLOC(ctx, s->begin[regions + 1], &s->sides));
     for (uint32_t side = 0; side < sides; side++)
@@ -151,11 +153,13 @@ static igi_status fine_size(igi_context *ctx, const job *j, uint32_t region, int
             if (seen++ % step) continue;
             size_t i = p->order[n], frame = 0;
             while (i >= o->frame_begin[frame + 1]) frame++;
-            prints[count++] = igi_footprint(p, frame, o->surface[i], o->uv[2 * i], o->uv[2 * i + 1]) *
+            prints[count++] = igi_footprint(p, frame, o->surface[i], o->uv[2 * i],
+                                            o->uv[2 * i + 1]) *
                               uv_per_metre(j->layout, igi_surface_triangle(o->surface[i]));
         }
     qsort(prints, count, sizeof *prints, compare_floats);
-    *size = count > 0 && prints[count / 4] > 0 ? power_of_two(1 / prints[count / 4], LARGEST) : SMALLEST;
+    *size = count > 0 && prints[count / 4] > 0 ? power_of_two(1 / prints[count / 4], LARGEST)
+                                               : SMALLEST;
     igi_free(prints);
     return IGI_OK;
 }

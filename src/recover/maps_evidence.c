@@ -20,7 +20,7 @@
 #define CELL_PATCHES 12
 #define CELL_FEWEST 4 /* patches that make a surrounding */
 #define SITES_A_SIDE 32
-#define FEWEST 40        /* patches that make evidence */
+#define FEWEST 40 /* patches that make evidence */
 #define AMPLITUDE 0.03f
 #define AGREEMENT 0.35f
 /* The amplitude is above so many standard deviations of the irradiance beside. */
@@ -121,7 +121,8 @@ static bool deviate(const evidence *e, const patch *p, float *product, float *si
     if (c->count < CELL_FEWEST) return false;
     for (int b = 0; b < e->problem->bands; b++) {
         float local = c->reflected[b] / c->received[b];
-        float d[2] = {p->half[0][b] / p->received[b] - local, p->half[1][b] / p->received[b] - local};
+        float d[2] = {p->half[0][b] / p->received[b] - local,
+                      p->half[1][b] / p->received[b] - local};
         dot += d[0] * d[1];
         mean += local * local;
         for (int h = 0; h < 2; h++) squares[h] += d[h] * d[h];

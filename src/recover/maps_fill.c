@@ -18,7 +18,8 @@ static void push(const float *image, const float *weight, int size, int channels
                 size_t from = (size_t)((2 * y + k / 2) * size + 2 * x + k % 2);
                 if (!(weight[from] > 0)) continue;
                 sum += 1;
-                for (int c = 0; c < channels; c++) to[c] += image[from * (size_t)channels + (size_t)c];
+                for (int c = 0; c < channels; c++)
+                    to[c] += image[from * (size_t)channels + (size_t)c];
             }
             coarse_weight[y * half + x] = sum;
             for (int c = 0; c < channels && sum > 0; c++) to[c] /= sum;

@@ -11,11 +11,11 @@
 typedef struct igi_texels {
     int size, bands;
     bool wraps;
-    float *weight;     /* [size][size] */
-    float *weight2;    /* of the squares */
-    float *reflected;  /* [size][size][bands] pi w L */
-    float *received;   /* [size][size][bands] w E */
-    float *ratio2;     /* w (reflected / received)^2, bands summed before the ratio */
+    float *weight;       /* [size][size] */
+    float *weight2;      /* of the squares */
+    float *reflected;    /* [size][size][bands] pi w L */
+    float *received;     /* [size][size][bands] w E */
+    float *ratio2;       /* w (reflected / received)^2, bands summed before the ratio */
     float *received_var; /* w (relative standard deviation of E)^2 */
 } igi_texels;
 
@@ -25,7 +25,7 @@ void igi_texels_clear(igi_texels *texels);
 
 /* Sorted by region: sides that photographs show. */
 typedef struct igi_region_sides {
-    size_t *begin;   /* [regions + 1] */
+    size_t *begin; /* [regions + 1] */
     uint32_t *sides;
 } igi_region_sides;
 
@@ -36,7 +36,8 @@ IGI_MUST_USE igi_status igi_find_texture(igi_context *ctx, const igi_problem *pr
 
 /* Adds every observation of the region. */
 void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
-                           const igi_layout *layout, const igi_region_sides *sides, uint32_t region);
+                           const igi_layout *layout, const igi_region_sides *sides,
+                           uint32_t region);
 /* Adds the means of the region's patches: for maps whose texels are no smaller. */
 void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, const igi_field *field,
                             const igi_layout *layout, const igi_region_sides *sides,
@@ -47,8 +48,8 @@ IGI_MUST_USE igi_status igi_texels_finish(igi_context *ctx, const igi_texels *te
                                           igi_material *material);
 
 /* Fills pixels of weight 0 of image[size][size][channels] from the others by push and pull. */
-IGI_MUST_USE igi_status igi_fill_holes(igi_context *ctx, float *image, const float *weight, int size,
-                                       int channels, const float *fallback);
+IGI_MUST_USE igi_status igi_fill_holes(igi_context *ctx, float *image, const float *weight,
+                                       int size, int channels, const float *fallback);
 
 /* Side of a pixel on the surface, metres: the root of its footprint's area. */
 float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v);

@@ -18,6 +18,7 @@
 /* Share of the difference between neighbours that a texel's error is made of (measured on rooms
  * with known textures). */
 #define BLUR 0.4f
+#define DARK_SHARE 0.02
 
 igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, igi_texels *texels)
 {
@@ -105,7 +106,8 @@ float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, 
     igi_vec point = igi_triangle_point(&problem->scene->mesh, triangle, u, v);
     igi_vec d = igi_sub(point, igi_camera_centre(camera));
     float distance2 = igi_dot(d, d);
-    float cosine = fabsf(igi_dot(d, igi_tracer_normal(problem->tracer, triangle))) / sqrtf(distance2);
+    float cosine = fabsf(igi_dot(d, igi_tracer_normal(problem->tracer, triangle))) /
+                   sqrtf(distance2);
     return sqrtf(distance2 / (float)(camera->fl_x * camera->fl_y) / fmaxf(cosine, 0.02f));
 }
 
@@ -114,7 +116,8 @@ static float texel_side(const igi_layout *layout, uint32_t triangle, int size)
 {
     const float *t = layout->uvs + 6 * (size_t)triangle;
     float area = 0.5f * fabsf((t[2] - t[0]) * (t[5] - t[1]) - (t[3] - t[1]) * (t[4] - t[0]));
-    return area > 0 ? sqrtf(igi_triangle_area(&layout->scene->mesh, triangle) / area) / (float)size : 0;
+    return area > 0 ? sqrtf(igi_triangle_area(&layout->scene->mesh, triangle) / area) / (float)size
+                    : 0;
 }
 
 void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
@@ -144,7 +147,8 @@ void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const
 }
 
 void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, const igi_field *field,
-                            const igi_layout *layout, const igi_region_sides *sides, uint32_t region)
+                            const igi_layout *layout, const igi_region_sides *sides,
+                            uint32_t region)
 {
     const igi_observations *o = problem->observations;
     for (size_t k = sides->begin[region]; k < sides->begin[region + 1]; k++) {
@@ -199,13 +203,27 @@ static float relative_variance(const igi_texels *t, size_t i, float pooled)
     return variance / fmaxf(n, 1) + t->received_var[i] / t->weight[i];
 }
 
+/* Light below which a texel tells nothing: a share of what the region's texels get on average. */
+static void find_darkness(const igi_texels *t, float *darkness)
+{
+    size_t bands = (size_t)t->bands;
+    double sum[IGI_MAX_BANDS] = {0}, weight = 0;
+    for (size_t i = 0; i < (size_t)t->size * (size_t)t->size; i++) {
+        weight += (double)t->weight[i];
+        for (size_t b = 0; b < bands; b++) sum[b] += (double)t->received[i * bands + b];
+    }
+    for (size_t b = 0; b < bands; b++)
+        darkness[b] = weight > 0 ? (float)(DARK_SHARE * sum[b] / weight) : 0;
+}
+
 /* Albedo, its standard deviation, and how far the texel is determined. false: it is not. */
-static bool finish_texel(const igi_texels *t, size_t i, float pooled, float *albedo, float *std)
+static bool finish_texel(const igi_texels *t, size_t i, float pooled, const float *darkness,
+                         float *albedo, float *std)
 {
     size_t bands = (size_t)t->bands;
     if (!(t->weight[i] > 0)) return false;
     for (size_t b = 0; b < bands; b++)
-        if (!(t->received[i * bands + b] > 0)) return false;
+        if (!(t->received[i * bands + b] > darkness[b] * t->weight[i])) return false;
     float relative = sqrtf(relative_variance(t, i, pooled));
     for (size_t b = 0; b < bands; b++) {
         albedo[b] = fmaxf(0.0f, t->reflected[i * bands + b] / t->received[i * bands + b]);
@@ -228,7 +246,8 @@ static void add_blur(const igi_texels *t, const igi_image *map, const float *kno
             float squares = 0, *s = &std->samples[i * bands + b];
             for (int k = 0; k < 4; k++) {
                 if (!(known[near[k]] > 0)) continue;
-                float d = map->samples[near[k] * (bands + 1) + b] - map->samples[i * (bands + 1) + b];
+                float d = map->samples[near[k] * (bands + 1) + b] -
+                          map->samples[i * (bands + 1) + b];
                 squares += 0.25f * d * d;
             }
             *s = sqrtf(*s * *s + BLUR * BLUR * squares);
@@ -237,7 +256,8 @@ static void add_blur(const igi_texels *t, const igi_image *map, const float *kno
 }
 
 /* How far a filled-in texel may be off: as much as determined ones differ from the region's mean. */
-static void spread_of(const igi_texels *t, const igi_image *map, const igi_material *m, float *spread)
+static void spread_of(const igi_texels *t, const igi_image *map, const igi_material *m,
+                      float *spread)
 {
     for (int b = 0; b < t->bands; b++) {
         double sum = 0, count = 0;
@@ -248,7 +268,8 @@ static void spread_of(const igi_texels *t, const igi_image *map, const igi_mater
             sum += d * d;
             count++;
         }
-        spread[b] = (float)sqrt((count > 0 ? sum / count : 0) + m->albedo_std[b] * m->albedo_std[b]);
+        spread[b] = (float)sqrt((count > 0 ? sum / count : 0) +
+                                m->albedo_std[b] * m->albedo_std[b]);
     }
 }
 
@@ -258,12 +279,13 @@ igi_status igi_texels_finish(igi_context *ctx, const igi_texels *texels, igi_mat
     const igi_texels *t = texels;
     size_t n = (size_t)t->size * (size_t)t->size, bands = (size_t)t->bands;
     float *known = NULL, fallback[IGI_MAX_BANDS + 1] = {0}, spread[IGI_MAX_BANDS];
-    float pooled = pixel_variance(t);
+    float pooled = pixel_variance(t), darkness[IGI_MAX_BANDS];
+    find_darkness(t, darkness);
     IGI_TRY_GOTO(igi_image_create(ctx, t->size, t->size, t->bands + 1, &material->map));
     IGI_TRY_GOTO(igi_image_create(ctx, t->size, t->size, t->bands, &material->map_std));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &known));
     for (size_t i = 0; i < n; i++)
-        known[i] = finish_texel(t, i, pooled, material->map->samples + i * (bands + 1),
+        known[i] = finish_texel(t, i, pooled, darkness, material->map->samples + i * (bands + 1),
                                 material->map_std->samples + i * bands);
     for (size_t b = 0; b < bands; b++) fallback[b] = (float)material->albedo[b];
     if (material->textured) add_blur(t, material->map, known, material->map_std);
@@ -271,7 +293,8 @@ igi_status igi_texels_finish(igi_context *ctx, const igi_texels *texels, igi_mat
     for (size_t i = 0; i < n; i++)
         for (size_t b = 0; b < bands && !(known[i] > 0); b++)
             material->map_std->samples[i * bands + b] = spread[b];
-    IGI_TRY_GOTO(igi_fill_holes(ctx, material->map->samples, known, t->size, t->bands + 1, fallback));
+    IGI_TRY_GOTO(
+        igi_fill_holes(ctx, material->map->samples, known, t->size, t->bands + 1, fallback));
     for (size_t i = 0; i < n; i++)
         if (!(known[i] > 0)) material->map->samples[i * (bands + 1) + bands] = 0;
 cleanup:

@@ -19,9 +19,9 @@
 #define NONE UINT32_MAX
 
 typedef struct chart {
-    uint32_t first;           /* member of the chart's chain */
-    float low[2], size[2];    /* its box in its own plane, metres */
-    float at[2];              /* packed place of the box, unit square */
+    uint32_t first;        /* member of the chart's chain */
+    float low[2], size[2]; /* its box in its own plane, metres */
+    float at[2];           /* packed place of the box, unit square */
     igi_vec axis[2];
     bool turned; /* lies on its side */
 } chart;
@@ -47,7 +47,8 @@ static igi_vec corner(const work *w, uint32_t member, int k)
 static igi_vec normal_of(const work *w, uint32_t member)
 {
     igi_vec a = corner(w, member, 0);
-    return igi_normalize(igi_cross(igi_sub(corner(w, member, 1), a), igi_sub(corner(w, member, 2), a)));
+    return igi_normalize(
+        igi_cross(igi_sub(corner(w, member, 1), a), igi_sub(corner(w, member, 2), a)));
 }
 
 /* Open addressing: the first triangle at an edge waits for the second. */
@@ -216,7 +217,8 @@ static void set_uvs(const work *w)
     }
 }
 
-static igi_status list_triangles(igi_context *ctx, igi_atlas *a, const igi_mesh *mesh, uint32_t region)
+static igi_status list_triangles(igi_context *ctx, igi_atlas *a, const igi_mesh *mesh,
+                                 uint32_t region)
 {
     for (size_t t = 0; t < mesh->triangle_count; t++) a->count += mesh->regions[t] == region;
     IGI_TRY(IGI_ALLOC(ctx, a->count, &a->triangles));

@@ -79,7 +79,8 @@ static double median_error(const igi_image *map, const igi_image *truth)
         for (int k = 0; k < step * step; k++) {
             size_t x = t % (size_t)truth->width * (size_t)step + (size_t)(k % step);
             size_t y = t / (size_t)truth->width * (size_t)step + (size_t)(k / step);
-            const float *texel = map->samples + (y * (size_t)map->width + x) * (size_t)map->channels;
+            const float *texel = map->samples +
+                                 (y * (size_t)map->width + x) * (size_t)map->channels;
             for (int b = 0; b <= bands; b++) sum[b] += (double)texel[b] / (step * step);
         }
         if (!(sum[bands] > 0.5)) continue;

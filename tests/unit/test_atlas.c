@@ -10,7 +10,8 @@
 
 static double area_of(const float *uv)
 {
-    return 0.5 * fabs((double)((uv[2] - uv[0]) * (uv[5] - uv[1]) - (uv[3] - uv[1]) * (uv[4] - uv[0])));
+    return 0.5 *
+           fabs((double)((uv[2] - uv[0]) * (uv[5] - uv[1]) - (uv[3] - uv[1]) * (uv[4] - uv[0])));
 }
 
 /* Is (x,y) within the triangle, its rim excluded? */

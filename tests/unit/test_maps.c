@@ -50,7 +50,8 @@ static bool is_lit(double x, double y)
 
 static double irradiance(double x, double y)
 {
-    double dx = lamp_at[0] - x, dy = lamp_at[1] - y, d2 = dx * dx + dy * dy + lamp_at[2] * lamp_at[2];
+    double dx = lamp_at[0] - x, dy = lamp_at[1] - y,
+           d2 = dx * dx + dy * dy + lamp_at[2] * lamp_at[2];
     return is_lit(x, y) ? 10 * lamp_at[2] / (d2 * sqrt(d2)) : 0;
 }
 
@@ -92,17 +93,28 @@ static void make_scene(world *w)
     w->room->mesh.uvs = w->uvs[0];
     w->regions[0] = (igi_region){.name = (char[]){"floor"}, .textured = IGI_AUTO, .has_uvs = true};
     w->regions[1] = (igi_region){.name = (char[]){"plate"}, .textured = IGI_AUTO, .has_uvs = true};
-    w->light = (igi_light){.type = IGI_LIGHT_POINT, .region = -1, .known = true, .value = {10},
+    w->light = (igi_light){.type = IGI_LIGHT_POINT,
+                           .region = -1,
+                           .known = true,
+                           .value = {10},
                            .position = {lamp_at[0], lamp_at[1], lamp_at[2]}};
     for (int f = 0; f < FRAMES; f++)
-        w->frames[f] = (igi_frame){.camera = {.width = 200, .height = 200, .fl_x = 200, .fl_y = 200,
-                                              .cx = 100, .cy = 100,
-                                              .camera_to_world = {{1, 0, 0, 0.9 + 0.1 * f},
-                                                                  {0, 1, 0, 1},
-                                                                  {0, 0, 1, 3}}}};
-    w->scene = (igi_scene){.bands = 1, .mesh = w->room->mesh, .region_count = 2,
-                           .regions = w->regions, .light_count = 1, .lights = &w->light,
-                           .frame_count = FRAMES, .frames = w->frames};
+        w->frames[f] = (igi_frame){
+            .camera = {.width = 200,
+                       .height = 200,
+                       .fl_x = 200,
+                       .fl_y = 200,
+                       .cx = 100,
+                       .cy = 100,
+                       .camera_to_world = {{1, 0, 0, 0.9 + 0.1 * f}, {0, 1, 0, 1}, {0, 0, 1, 3}}}};
+    w->scene = (igi_scene){.bands = 1,
+                           .mesh = w->room->mesh,
+                           .region_count = 2,
+                           .regions = w->regions,
+                           .light_count = 1,
+                           .lights = &w->light,
+                           .frame_count = FRAMES,
+                           .frames = w->frames};
 }
 
 static world *world_new(int threads, paint albedo, double noise)
@@ -115,9 +127,14 @@ static world *world_new(int threads, paint albedo, double noise)
     igi_rng rng = igi_rng_make(3, 4);
     for (size_t i = 0; i < COUNT; i++) see(w, albedo, i, &rng, noise);
     for (size_t f = 0; f <= FRAMES; f++) w->frame_begin[f] = f * PER_FRAME;
-    w->seen = (igi_observations){.bands = 1, .count = COUNT, .frame_count = FRAMES,
-                                 .frame_begin = w->frame_begin, .surface = w->surface,
-                                 .uv = w->uv[0], .pixel = w->pixel, .radiance = w->radiance};
+    w->seen = (igi_observations){.bands = 1,
+                                 .count = COUNT,
+                                 .frame_count = FRAMES,
+                                 .frame_begin = w->frame_begin,
+                                 .surface = w->surface,
+                                 .uv = w->uv[0],
+                                 .pixel = w->pixel,
+                                 .radiance = w->radiance};
     igi_recover_options_init(&w->options);
     CHECK_OK(w->ctx, igi_tracer_create(w->ctx, &w->scene.mesh, &w->tracer));
     CHECK_OK(w->ctx, igi_patches_create(w->ctx, &w->scene.mesh, 0.06f, &w->patches));
@@ -163,7 +180,8 @@ static void measure_field(const world *w, double *largest, double *wrong)
         off += error > 0.02;
         bool near_edge = false;
         for (int c = 0; c < 9; c++)
-            near_edge |= is_lit((double)p.x + 0.15 * (c % 3 - 1), (double)p.y + 0.15 * (c / 3 - 1)) !=
+            near_edge |= is_lit((double)p.x + 0.15 * (c % 3 - 1),
+                                (double)p.y + 0.15 * (c / 3 - 1)) !=
                          is_lit((double)p.x, (double)p.y);
         if (!near_edge) *largest = fmax(*largest, error);
     }
