@@ -7,6 +7,11 @@
 
 #include "recover/field.h"
 
+/* Radius of a neighbourhood. */
+#define IGI_FIELD_RADIUS_PATCHES 2.5f
+#define MAX_NEIGHBOURS 256
+#define RIDGE 1e-3f /* of the normal equations, keeps narrow strips solvable */
+
 /* value + gradient . (x - the row's point) */
 typedef struct linear {
     float value;
@@ -54,6 +59,37 @@ struct igi_field {
     size_t node_capacity;
     float *nodes;
 };
+
+typedef struct neighbour {
+    uint32_t row;
+    float x, y, weight; /* tangential, in radii */
+} neighbour;
+
+/* Weighted moments about the neighbours' mean place. */
+typedef struct moments {
+    float w, x, y, xx, xy, yy, det;
+} moments;
+
+/* value + slope . (x, y), slopes per radius; the variance of what it was fitted to about it, and of
+ * its value. */
+typedef struct plane {
+    float value, slope[2], residual, variance;
+} plane;
+
+IGI_MUST_USE igi_status igi_row_grid_create(igi_context *ctx, const igi_rows *rows, float side,
+                                            row_grid *grid);
+/* Seen rows within the field's radius that lie in the plane and face alike; their number, at most
+ * MAX_NEIGHBOURS. */
+int igi_field_neighbours(const igi_field *field, igi_vec point, igi_vec normal, neighbour *found);
+moments igi_moments_of(const neighbour *near, int count);
+/* The plane through values[stride row] of the neighbours. */
+void igi_plane_fit(const neighbour *near, int count, const moments *m, const float *values,
+                   size_t stride, plane *p);
+/* The same in world coordinates. */
+linear igi_plane_linear(const plane *p, igi_vec normal, float radius);
+
+/* Fits every seen row: smooth, side_irradiance, std and edges. */
+IGI_MUST_USE igi_status igi_field_fit(igi_context *ctx, igi_field *field);
 
 /* Share of the edge's light that reaches a point of its row's cell. */
 float igi_field_visible(const igi_field *field, const edge *e, uint32_t triangle, float u, float v,
