@@ -61,7 +61,7 @@ igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo *a, const igi
     size_t count = 0;
     double total = 0, sum = 0;
     tile *tiles = NULL;
-    *log_ratio = NAN;
+    *log_ratio = (double)NAN;
     IGI_TRY(IGI_ALLOC(ctx, rows * columns, &tiles));
     for (size_t i = 0; i < rows * columns; i++) {
         tile t = measure_tile(a, b, shift, response, expected, (int)(i % columns) * TILE,
