@@ -255,6 +255,29 @@ cleanup:
     return status;
 }
 
+size_t igi_observation_at(const igi_observations *observations, size_t frame, uint32_t pixel)
+{
+    size_t low = observations->frame_begin[frame], high = observations->frame_begin[frame + 1];
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (observations->pixel[middle] < pixel) low = middle + 1;
+        else high = middle;
+    }
+    bool found = low < observations->frame_begin[frame + 1] && observations->pixel[low] == pixel;
+    return found ? low : SIZE_MAX;
+}
+
+size_t igi_observation_frame(const igi_observations *observations, size_t observation)
+{
+    size_t low = 0, high = observations->frame_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (observations->frame_begin[middle] <= observation) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
 void igi_observations_destroy(igi_observations *observations)
 {
     if (!observations) return;

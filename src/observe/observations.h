@@ -43,6 +43,11 @@ typedef struct igi_observations {
 IGI_MUST_USE igi_status igi_observe(igi_context *ctx, const igi_scene *scene,
                                     const igi_tracer *tracer, size_t limit,
                                     igi_observations **observations);
+/* The observation of a pixel (row * width + column) of a frame; SIZE_MAX: it was left out. */
+size_t igi_observation_at(const igi_observations *observations, size_t frame, uint32_t pixel);
+/* The frame of an observation. */
+size_t igi_observation_frame(const igi_observations *observations, size_t observation);
+
 void igi_observations_destroy(igi_observations *observations);
 
 #endif

@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Choice: a pixel's score for a roughness is the predicted lobe of the lamps over the diffuse
+ * radiance. Pixels are kept at random with a probability that rises with their scores for each of
+ * four roughnesses, and a third of them evenly, to pin the diffuse part. Where the region is
+ * textured, the chosen pixels are points, and every photograph that shows such a point joins in.
+ */
+#include "recover/highlights.h"
+
+#include "base/parallel.h"
+#include "brdf/brdf.h"
+#include "scene/camera.h"
+
+#include <string.h>
+
+#define CANDIDATES 40000 /* pixels of a region that are scored */
+#define LAMP_POINTS 4    /* places on each lamp that the score looks at */
+
+typedef struct job {
+    const igi_radiance_field *field;
+    const igi_rows *rows;
+    size_t region;
+    igi_highlight_options options;
+    igi_irradiance_fn irradiance;
+    const void *user;
+    igi_highlights *out;
+    uint32_t *candidates; /* observations */
+    size_t candidate_count;
+    float (*scores)[4];
+    size_t capacity; /* of the arrays of `out` that grow while choosing */
+} job;
+
+typedef struct view {
+    igi_vec point, normal, out; /* world; out: unit, toward the camera */
+    const igi_camera *camera;
+    uint32_t pixel;
+} view;
+
+static view view_of(const igi_problem *p, size_t observation)
+{
+    const igi_observations *o = p->observations;
+    uint32_t surface = o->surface[observation], triangle = igi_surface_triangle(surface);
+    view v;
+    v.camera = &p->scene->frames[igi_observation_frame(o, observation)].camera;
+    v.pixel = o->pixel[observation];
+    v.point = igi_triangle_point(&p->scene->mesh, triangle, o->uv[2 * observation],
+                                 o->uv[2 * observation + 1]);
+    v.normal = igi_tracer_normal(p->tracer, triangle);
+    if (igi_surface_is_back(surface)) v.normal = igi_scale(v.normal, -1);
+    v.out = igi_normalize(igi_sub(igi_camera_centre(v.camera), v.point));
+    return v;
+}
+
+static uint32_t side_of(const igi_problem *p, size_t observation)
+{
+    const igi_observations *o = p->observations;
+    uint32_t surface = o->surface[observation];
+    return 2 * igi_patch_at(p->patches, igi_surface_triangle(surface), o->uv[2 * observation],
+                            o->uv[2 * observation + 1]) +
+           (igi_surface_is_back(surface) ? 1u : 0u);
+}
+
+/* Pixels of the region, thinned evenly to about CANDIDATES. */
+static igi_status find_candidates(igi_context *ctx, job *j)
+{
+    const igi_problem *p = j->field->problem;
+    const igi_observations *o = p->observations;
+    size_t total = 0;
+    for (size_t i = 0; i < o->count; i++)
+        total += p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] == j->region;
+    size_t stride = total / CANDIDATES + 1, seen = 0;
+    IGI_TRY(IGI_ALLOC(ctx, total / stride + 1, &j->candidates));
+    for (size_t i = 0; i < o->count; i++) {
+        if (p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != j->region) continue;
+        if (seen++ % stride == 0) j->candidates[j->candidate_count++] = (uint32_t)i;
+    }
+    return IGI_ALLOC(ctx, j->candidate_count + 1, &j->scores);
+}
+
+static float brightness(const double *value, int bands)
+{
+    double sum = 0;
+    for (int b = 0; b < bands; b++) sum += value[b];
+    return (float)(sum / bands);
+}
+
+static igi_status score_candidates(igi_context *ctx, void *user, size_t task, int worker)
+{
+    (void)ctx;
+    (void)worker;
+    job *j = user;
+    const igi_problem *p = j->field->problem;
+    size_t end = (task + 1) * 1024 < j->candidate_count ? (task + 1) * 1024 : j->candidate_count;
+    for (size_t i = task * 1024; i < end; i++) {
+        uint32_t side = side_of(p, j->candidates[i]), row = j->rows->row_of[side];
+        if (row == IGI_NO_ROW) continue;
+        view v = view_of(p, j->candidates[i]);
+        igi_vec out = igi_to_local(v.out, v.normal);
+        if (out.z <= 0.05f) continue;
+        float diffuse = 1e-6f;
+        for (int b = 0; b < p->bands; b++)
+            diffuse += j->field->total[(size_t)side * (size_t)p->bands + (size_t)b] / (float)p->bands;
+        for (size_t l = 0; l < j->rows->lights; l++) {
+            float received = j->rows->direct[row * j->rows->lights + l] *
+                             brightness(p->lights[l].value, p->bands);
+            if (received <= 0) continue;
+            for (int k = 0; k < LAMP_POINTS; k++) {
+                igi_light_sample s;
+                float u = ((float)k + 0.5f) / LAMP_POINTS, w = (float)(k % 2) * 0.5f + 0.25f;
+                if (!igi_light_sample_toward(p->lighting, l, v.point, u, w, &s)) continue;
+                igi_vec in = igi_to_local(s.direction, v.normal);
+                for (int a = 0; a < 4; a++) {
+                    float scale, base;
+                    igi_lobe_terms(IGI_WARD, j->options.alphas[a], in, out, &scale, &base);
+                    j->scores[i][a] += scale * received / diffuse / LAMP_POINTS;
+                }
+            }
+        }
+    }
+    return IGI_OK;
+}
+
+static igi_status add_pixel(igi_context *ctx, job *j, size_t group, size_t observation)
+{
+    igi_highlights *h = j->out;
+    size_t capacity = j->capacity;
+    uint32_t *grown = igi_grow(ctx, h->group, &capacity, h->count + 1, sizeof *grown);
+    if (!grown) return IGI_E_SYSTEM;
+    h->group = grown;
+    capacity = j->capacity;
+    grown = igi_grow(ctx, h->observation, &capacity, h->count + 1, sizeof *grown);
+    if (!grown) return IGI_E_SYSTEM;
+    h->observation = grown;
+    j->capacity = capacity;
+    h->group[h->count] = (uint32_t)group;
+    h->observation[h->count++] = (uint32_t)observation;
+    return IGI_OK;
+}
+
+/* Every photograph's pixel at the point that an observation shows. */
+static igi_status add_point(igi_context *ctx, job *j, size_t observation)
+{
+    const igi_problem *p = j->field->problem;
+    const igi_observations *o = p->observations;
+    view seed = view_of(p, observation);
+    size_t group = j->out->groups, before = j->out->count;
+    for (size_t f = 0; f < o->frame_count; f++) {
+        const igi_camera *camera = &p->scene->frames[f].camera;
+        double x, y;
+        if (!igi_camera_project(camera, seed.point, &x, &y)) continue;
+        if (x < 0 || y < 0 || x >= camera->width || y >= camera->height) continue;
+        uint32_t pixel = (uint32_t)y * (uint32_t)camera->width + (uint32_t)x;
+        size_t at = igi_observation_at(o, f, pixel);
+        if (at == SIZE_MAX) continue;
+        view v = view_of(p, at);
+        if (p->scene->mesh.regions[igi_surface_triangle(o->surface[at])] != j->region) continue;
+        float distance = igi_length(igi_sub(v.point, igi_camera_centre(camera)));
+        float pixel_m = distance / (float)camera->fl_x / fmaxf(0.1f, igi_dot(v.out, v.normal));
+        if (igi_length(igi_sub(v.point, seed.point)) > 1.5f * pixel_m) continue;
+        if (igi_dot(v.normal, seed.normal) < 0.99f) continue;
+        IGI_TRY(add_pixel(ctx, j, group, at));
+    }
+    if (j->out->count < before + 3) j->out->count = before; /* too few to part albedo from lobe */
+    else j->out->groups++;
+    return IGI_OK;
+}
+
+static igi_status choose(igi_context *ctx, job *j)
+{
+    double sums[4] = {0}, wanted = (double)j->options.pixels;
+    if (j->options.per_point) wanted /= 8; /* each point brings some eight photographs */
+    for (size_t i = 0; i < j->candidate_count; i++)
+        for (int a = 0; a < 4; a++) sums[a] += (double)j->scores[i][a];
+    for (size_t i = 0; i < j->candidate_count; i++) {
+        double keep = wanted / 3 / (double)j->candidate_count;
+        for (int a = 0; a < 4; a++)
+            if (sums[a] > 0) keep += wanted / 6 * (double)j->scores[i][a] / sums[a];
+        igi_rng rng = igi_rng_make(igi_seed(ctx) + j->region, j->candidates[i]);
+        if ((double)igi_rng_float(&rng) >= keep) continue;
+        if (j->options.per_point) IGI_TRY(add_point(ctx, j, j->candidates[i]));
+        else IGI_TRY(add_pixel(ctx, j, 0, j->candidates[i]));
+    }
+    if (!j->options.per_point) j->out->groups = 1;
+    return IGI_OK;
+}
+
+/* A place within the pixel, on the tangent plane, and the direction back to the camera. */
+static void footprint_place(const view *v, float u, float w, igi_vec *point, igi_vec *out)
+{
+    uint32_t width = (uint32_t)v->camera->width;
+    igi_vec centre = igi_camera_centre(v->camera);
+    igi_vec d = igi_camera_direction(v->camera, (double)(v->pixel % width) + (double)u,
+                                     (double)(v->pixel / width) + (double)w);
+    float slope = igi_dot(d, v->normal);
+    *point = v->point;
+    if (slope < -1e-3f)
+        *point = igi_madd(centre, d, igi_dot(igi_sub(v->point, centre), v->normal) / slope);
+    *out = igi_normalize(igi_sub(centre, *point));
+}
+
+/* Density of the whole set at direction `in`: every way that could have drawn it. */
+static float set_density(const job *j, igi_vec in, igi_vec out, float lamp_density)
+{
+    float density = (float)j->options.lamp_samples * lamp_density;
+    for (int a = 0; a < 4; a++)
+        density += (float)j->options.lobe_samples / 4 *
+                   igi_lobe_pdf(IGI_WARD, j->options.alphas[a], in, out);
+    return density;
+}
+
+static int sample_lamps(const job *j, igi_vec point, igi_vec normal, igi_vec out, float pick,
+                        const float uv[2], igi_direction_sample *d, float *incident)
+{
+    const igi_problem *p = j->field->problem;
+    size_t lights = igi_lighting_count(p->lighting);
+    if (lights == 0) return 0;
+    size_t l = (size_t)(pick * (float)lights);
+    if (l >= lights) l = lights - 1;
+    igi_light_sample s;
+    if (!igi_light_sample_toward(p->lighting, l, point, uv[0], uv[1], &s)) return 0;
+    d->in = igi_to_local(s.direction, normal);
+    if (d->in.z <= 0) return 0;
+    bool hidden = isinf(s.distance)
+                      ? igi_occluded_toward(p->tracer, point, s.direction, INFINITY)
+                      : igi_occluded(p->tracer, point, igi_madd(point, s.direction, s.distance));
+    if (hidden) return 1;
+    float radiance = s.pdf > 0 ? s.weight * s.pdf : s.weight; /* of a value of 1 */
+    float density = s.pdf > 0 ? set_density(j, d->in, out, s.pdf / (float)lights)
+                              : (float)j->options.lamp_samples / (float)lights;
+    d->weight = d->in.z / density;
+    for (int b = 0; b < p->bands; b++) incident[b] = radiance * (float)p->lights[l].value[b];
+    return 1;
+}
+
+static int sample_lobe(const job *j, igi_vec point, igi_vec normal, igi_vec out, float alpha,
+                       const float uv[2], igi_rng *rng, igi_direction_sample *d, float *incident)
+{
+    const igi_problem *p = j->field->problem;
+    d->in = igi_lobe_sample(IGI_WARD, alpha, out, uv[0], uv[1]);
+    if (d->in.z <= 0) return 0;
+    igi_vec direction = igi_to_world(d->in, normal);
+    igi_hit hit = igi_trace(p->tracer, point, direction);
+    float lamp_density = 0;
+    int light = hit.triangle == IGI_NO_HIT ? -1 : igi_lighting_of_triangle(p->lighting, hit.triangle);
+    if (light >= 0)
+        lamp_density = igi_light_pdf(p->lighting, (size_t)light, point, direction, &hit) /
+                       (float)igi_lighting_count(p->lighting);
+    d->weight = d->in.z / set_density(j, d->in, out, lamp_density);
+    igi_lighting_add_emitted(p->lighting, direction, &hit, incident);
+    return 1 + igi_radiance_toward(j->field, point, direction, &hit, rng, incident);
+}
+
+static void set_up_pixel(job *j, size_t i, uint64_t *rays)
+{
+    igi_highlights *h = j->out;
+    size_t bands = (size_t)h->bands, observation = h->observation[i];
+    const igi_observations *o = j->field->problem->observations;
+    view v = view_of(j->field->problem, observation);
+    igi_rng rng = igi_rng_make(igi_hash64(j->region), observation);
+    memcpy(h->radiance + i * bands, o->radiance + observation * bands, bands * sizeof(float));
+    j->irradiance(j->user, observation, h->irradiance + i * bands);
+    float start[5];
+    for (int k = 0; k < 5; k++) start[k] = igi_rng_float(&rng);
+    for (int m = 0; m < h->samples; m++) {
+        igi_direction_sample *d = &h->directions[i * (size_t)h->samples + (size_t)m];
+        float *incident = h->incident + (i * (size_t)h->samples + (size_t)m) * bands;
+        /* additive recurrences: of the plastic number for the direction, of the golden ratio and its
+         * like for the place in the pixel and the lamp */
+        static const float steps[5] = {0.7548776662f, 0.5698402910f, 0.6180339887f, 0.4142135624f,
+                                       0.7320508076f};
+        float x[5];
+        for (int k = 0; k < 5; k++) {
+            float at = start[k] + (float)m * steps[k];
+            x[k] = fminf(at - floorf(at), 0.99999994f);
+        }
+        igi_vec point, out;
+        footprint_place(&v, x[2], x[3], &point, &out);
+        d->out = igi_to_local(out, v.normal);
+        if (d->out.z <= 0) continue;
+        bool is_lobe = m < j->options.lobe_samples;
+        *rays += (uint64_t)(is_lobe ? sample_lobe(j, point, v.normal, d->out,
+                                                  j->options.alphas[m % 4], x, &rng, d, incident)
+                                    : sample_lamps(j, point, v.normal, d->out, x[4], x, d, incident));
+    }
+}
+
+static igi_status set_up_pixels(igi_context *ctx, void *user, size_t task, int worker)
+{
+    (void)worker;
+    job *j = user;
+    uint64_t rays = 0;
+    size_t end = (task + 1) * 16 < j->out->count ? (task + 1) * 16 : j->out->count;
+    for (size_t i = task * 16; i < end; i++) set_up_pixel(j, i, &rays);
+    igi_count_rays(ctx, rays);
+    return IGI_OK;
+}
+
+static igi_status allocate_sets(igi_context *ctx, const job *j)
+{
+    igi_highlights *h = j->out;
+    size_t n = h->count, bands = (size_t)h->bands, samples = (size_t)h->samples;
+    IGI_TRY(IGI_ALLOC(ctx, n * bands, &h->radiance));
+    IGI_TRY(IGI_ALLOC(ctx, n * bands, &h->irradiance));
+    IGI_TRY(IGI_ALLOC(ctx, n * samples, &h->directions));
+    return IGI_ALLOC(ctx, n * samples * bands, &h->incident);
+}
+
+igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *field,
+                                 const igi_rows *rows, size_t region,
+                                 const igi_highlight_options *options, igi_irradiance_fn irradiance,
+                                 const void *user, igi_highlights **highlights)
+{
+    igi_status status = IGI_OK;
+    job j = {.field = field, .rows = rows, .region = region, .options = *options,
+             .irradiance = irradiance, .user = user};
+    *highlights = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &j.out));
+    j.out->bands = field->problem->bands;
+    j.out->samples = options->lobe_samples + options->lamp_samples;
+    IGI_TRY_GOTO(find_candidates(ctx, &j));
+    IGI_TRY_GOTO(igi_parallel_for(ctx, (j.candidate_count + 1023) / 1024, score_candidates, &j));
+    IGI_TRY_GOTO(choose(ctx, &j));
+    IGI_TRY_GOTO(allocate_sets(ctx, &j));
+    IGI_TRY_GOTO(igi_parallel_for(ctx, (j.out->count + 15) / 16, set_up_pixels, &j));
+    *highlights = j.out;
+    j.out = NULL;
+cleanup:
+    igi_free(j.candidates);
+    igi_free(j.scores);
+    igi_highlights_destroy(j.out);
+    return status;
+}
+
+void igi_highlights_destroy(igi_highlights *highlights)
+{
+    if (!highlights) return;
+    igi_free(highlights->group);
+    igi_free(highlights->observation);
+    igi_free(highlights->radiance);
+    igi_free(highlights->irradiance);
+    igi_free(highlights->directions);
+    igi_free(highlights->incident);
+    igi_free(highlights);
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The pixels that tell most about a region's lobe, and the light that reaches them.
+ *
+ * Each chosen pixel has a fixed set of directions, drawn from lobes of several roughnesses and from
+ * the lamps (multi-sample estimator, balance heuristic; Veach 1997), each with the radiance that
+ * arrives along it. For any model and roughness
+ *     S(alpha) = sum_m incident_m f_s(in_m, out_m; alpha) cos_m / p_m
+ * is then a smooth function of alpha that costs no further ray. The sample's place within the
+ * pixel is drawn too, so that S is the mean over the pixel's footprint.
+ */
+#ifndef IGI_SRC_RECOVER_HIGHLIGHTS_H
+#define IGI_SRC_RECOVER_HIGHLIGHTS_H
+
+#include "recover/incident.h"
+
+typedef struct igi_direction_sample {
+    igi_vec in, out; /* unit, in the frame of the surface */
+    float weight;    /* cos(in) over the density of the whole set; 0: carries nothing */
+} igi_direction_sample;
+
+typedef struct igi_highlights {
+    size_t count; /* pixels */
+    int samples;  /* directions of each */
+    int bands;
+    size_t groups;           /* pixels of one group show one albedo: a region, or one of its points */
+    uint32_t *group;         /* [count] rising */
+    uint32_t *observation;   /* [count] */
+    float *radiance;         /* [count][bands] as photographed */
+    float *irradiance;       /* [count][bands] */
+    igi_direction_sample *directions; /* [count][samples] */
+    float *incident;         /* [count][samples][bands] */
+} igi_highlights;
+
+typedef struct igi_highlight_options {
+    size_t pixels;        /* about how many to choose */
+    int lobe_samples;     /* directions from lobes, a multiple of 4 */
+    int lamp_samples;     /* directions to the lamps, in all */
+    float alphas[4];      /* of the lobes that directions are drawn from */
+    bool per_point;       /* the region is textured: albedo is eliminated point by point */
+} igi_highlight_options;
+
+/* Irradiance at an observation, per band. */
+typedef void (*igi_irradiance_fn)(const void *user, size_t observation, float *irradiance);
+
+/* rows: of the patches method, for the lamps' share of irradiance. frame_pixels: see
+ * igi_pixel_index_create; needed per point only. */
+IGI_MUST_USE igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *field,
+                                              const igi_rows *rows, size_t region,
+                                              const igi_highlight_options *options,
+                                              igi_irradiance_fn irradiance, const void *user,
+                                              igi_highlights **highlights);
+void igi_highlights_destroy(igi_highlights *highlights);
+
+#endif
