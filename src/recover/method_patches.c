@@ -70,42 +70,60 @@ static double sweep(const solver *s, igi_region_sums *sums)
     return change;
 }
 
-static igi_status prepare(igi_context *ctx, solver *s)
+/* Irradiance that no sweep changes: of the lamps, and of the lobes. */
+static void fill_direct(const solver *s, const igi_correction *correction)
 {
-    IGI_TRY(IGI_ALLOC(ctx, s->rows->count * s->bands, &s->direct));
-    IGI_TRY(IGI_ALLOC(ctx, s->rows->count * s->bands, &s->irradiance));
-    for (size_t i = 0; i < s->rows->count; i++)
-        igi_row_direct(s->rows, i, s->problem->lights, (int)s->bands, s->direct + i * s->bands);
-    return igi_places_create(ctx, s->problem, s->rows, s->irradiance, &s->places);
+    for (size_t i = 0; i < s->rows->count; i++) {
+        float *direct = s->direct + i * s->bands;
+        igi_row_direct(s->rows, i, s->problem->lights, (int)s->bands, direct);
+        for (size_t b = 0; correction && b < s->bands; b++)
+            direct[b] += correction->received[i * s->bands + b];
+    }
 }
 
-igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
+/* What was seen, less the lobes' part of it. */
+static void fill_seen(const solver *s, const igi_correction *correction)
+{
+    for (size_t i = 0; i < s->rows->seen_count; i++)
+        for (size_t b = 0; b < s->bands; b++) {
+            size_t k = s->rows->side[i] * s->bands + b;
+            s->radiance[k] = s->problem->seen[k] - (correction ? correction->seen[k] : 0);
+            s->places.radiance[i * s->bands + b] = s->radiance[k];
+        }
+}
+
+igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
+                             const igi_correction *correction, igi_diffuse *diffuse)
 {
     igi_status status = IGI_OK;
-    igi_rows *rows = NULL;
     igi_region_sums *sums = NULL;
-    solver s = {.problem = problem, .bands = (size_t)problem->bands, .radiance = diffuse->radiance,
-                .albedo = diffuse->albedo};
-    int rays = problem->options->rays ? problem->options->rays : DEFAULT_RAYS;
-    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 4 : 1};
-    igi_sites sites = igi_problem_sites(problem);
-    igi_stage_begin(ctx, "gather");
-    IGI_TRY_GOTO(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,
-                                 problem->lighting, &sites, &options, &rows));
-    igi_stage_begin(ctx, "solve");
-    s.rows = rows;
-    IGI_TRY_GOTO(prepare(ctx, &s));
+    solver s = {.problem = problem, .rows = diffuse->rows, .bands = (size_t)problem->bands,
+                .radiance = diffuse->radiance, .albedo = diffuse->albedo};
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.direct));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.irradiance));
+    IGI_TRY_GOTO(igi_places_create(ctx, problem, s.rows, s.irradiance, &s.places));
+    fill_direct(&s, correction);
+    fill_seen(&s, correction);
     IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));
     for (int i = 0; i < MAX_SWEEPS; i++)
         if (sweep(&s, sums) < SETTLED) break;
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &s.places, diffuse));
-    diffuse->rows = rows;
-    rows = NULL;
 cleanup:
     igi_free(s.direct);
     igi_free(s.irradiance);
     igi_places_clear(&s.places);
     igi_region_sums_destroy(sums);
-    igi_rows_destroy(rows);
     return status;
+}
+
+igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
+{
+    int rays = problem->options->rays ? problem->options->rays : DEFAULT_RAYS;
+    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 4 : 1};
+    igi_sites sites = igi_problem_sites(problem);
+    igi_stage_begin(ctx, "gather");
+    IGI_TRY(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,
+                            problem->lighting, &sites, &options, &diffuse->rows));
+    igi_stage_begin(ctx, "solve");
+    return igi_patches_solve(ctx, problem, NULL, diffuse);
 }

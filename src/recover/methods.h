@@ -20,4 +20,9 @@ IGI_MUST_USE igi_status igi_method_radiosity(igi_context *ctx, const igi_problem
 IGI_MUST_USE igi_status igi_method_direct(igi_context *ctx, const igi_problem *problem,
                                           igi_diffuse *diffuse);
 
+/* The second half of the patches method: solves for albedos and unseen sides with diffuse->rows,
+ * which the first half made. correction may be NULL. */
+IGI_MUST_USE igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
+                                          const igi_correction *correction, igi_diffuse *diffuse);
+
 #endif

@@ -43,6 +43,12 @@ static inline size_t igi_problem_seen_count(const igi_problem *p, uint32_t side)
     return p->site_begin[side + 1] - p->site_begin[side];
 }
 
+/* What lobes add to diffuse transport, to be taken out of it: see recover/specular.h. */
+typedef struct igi_correction {
+    float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side */
+    float *received; /* [rows][bands] irradiance that lobes send beyond the diffuse part */
+} igi_correction;
+
 /* What a method finds. */
 typedef struct igi_diffuse {
     double (*albedo)[IGI_MAX_BANDS];     /* [regions] */

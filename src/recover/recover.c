@@ -4,7 +4,9 @@
  */
 #include "recover/compare.h"
 #include "recover/methods.h"
+#include "recover/specular.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Patches are this share of the scene's diagonal: 1-2 % of the room's side (method of choice, by
@@ -174,6 +176,7 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     igi_patches *patches = NULL;
     igi_problem *problem = NULL;
     igi_diffuse *diffuse = NULL;
+    igi_specular *specular = NULL;
     igi_recovery *r = NULL;
     *recovery = NULL;
     igi_recover_options_init(&o);
@@ -187,6 +190,7 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, &o, &problem));
     IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
     IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
+    if (getenv("SPEC")) IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, &r->materials));
     IGI_TRY_GOTO(draw(ctx, problem, diffuse, r));
@@ -195,6 +199,7 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
 cleanup:
     igi_stage_begin(ctx, NULL);
     igi_recovery_destroy(r);
+    igi_specular_destroy(specular);
     igi_diffuse_destroy(diffuse);
     igi_problem_destroy(problem);
     igi_patches_destroy(patches);

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "recover/lobe_table.h"
+
+#include "base/parallel.h"
+#include "brdf/brdf.h"
+
+#define PIXELS_A_TASK 32
+
+typedef struct job {
+    const igi_highlights *highlights;
+    igi_lobe_table *table;
+} job;
+
+static void tabulate_pixel(const igi_highlights *h, igi_lobe_table *t, size_t i)
+{
+    size_t bands = (size_t)h->bands;
+    float *scale = t->scale + i * t->alpha_count * bands;
+    float *base = t->base ? t->base + i * t->alpha_count * bands : NULL;
+    for (int m = 0; m < h->samples; m++) {
+        size_t at = i * (size_t)h->samples + (size_t)m;
+        const igi_direction_sample *d = &h->directions[at];
+        if (!(d->weight > 0)) continue;
+        for (size_t a = 0; a < t->alpha_count; a++) {
+            float s, b0;
+            igi_lobe_terms(t->model, (float)t->alphas[a], d->in, d->out, &s, &b0);
+            for (size_t b = 0; b < bands; b++) {
+                float light = d->weight * h->incident[at * bands + b];
+                scale[a * bands + b] += s * light;
+                if (base) base[a * bands + b] += b0 * light;
+            }
+        }
+    }
+}
+
+static igi_status tabulate(igi_context *ctx, void *user, size_t task, int worker)
+{
+    (void)ctx;
+    (void)worker;
+    const job *j = user;
+    size_t end = (task + 1) * PIXELS_A_TASK;
+    if (end > j->highlights->count) end = j->highlights->count;
+    for (size_t i = task * PIXELS_A_TASK; i < end; i++) tabulate_pixel(j->highlights, j->table, i);
+    return IGI_OK;
+}
+
+igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights, igi_model model,
+                                 const double *alphas, size_t alpha_count, igi_lobe_table *table)
+{
+    size_t size = highlights->count * alpha_count * (size_t)highlights->bands;
+    *table = (igi_lobe_table){.model = model, .alpha_count = alpha_count, .alphas = alphas};
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->scale));
+    if (model == IGI_GGX) IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->base));
+    job j = {highlights, table};
+    IGI_TRY_GOTO(igi_parallel_for(ctx, (highlights->count + PIXELS_A_TASK - 1) / PIXELS_A_TASK,
+                                  tabulate, &j));
+cleanup:
+    if (status != IGI_OK) igi_lobe_table_clear(table);
+    return status;
+}
+
+void igi_lobe_table_clear(igi_lobe_table *table)
+{
+    igi_free(table->scale);
+    igi_free(table->base);
+    *table = (igi_lobe_table){.model = IGI_LAMBERT};
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What each chosen pixel would show of a lobe, tabulated over roughness.
+ */
+#ifndef IGI_SRC_RECOVER_LOBE_TABLE_H
+#define IGI_SRC_RECOVER_LOBE_TABLE_H
+
+#include "recover/highlights.h"
+
+/* The specular radiance of pixel i at roughness alphas[a] is rho_s scale[i][a] + base[i][a], per
+ * band: scale[count][alpha_count][bands]; base is NULL but for ggx. */
+typedef struct igi_lobe_table {
+    igi_model model;
+    size_t alpha_count;
+    const double *alphas; /* the caller's, rising */
+    float *scale, *base;
+} igi_lobe_table;
+
+IGI_MUST_USE igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights,
+                                              igi_model model, const double *alphas,
+                                              size_t alpha_count, igi_lobe_table *table);
+void igi_lobe_table_clear(igi_lobe_table *table);
+
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The specular half of recovery: which regions have a lobe, which one, and what it does to the
+ * diffuse half.
+ */
+#ifndef IGI_SRC_RECOVER_SPECULAR_H
+#define IGI_SRC_RECOVER_SPECULAR_H
+
+#include "recover/incident.h"
+#include "recover/lobe_fit.h"
+
+typedef struct igi_specular {
+    igi_lobe_estimate *estimates; /* [regions]; model IGI_LAMBERT: no lobe */
+    igi_lobe *lobes;              /* [regions] the same for rendering */
+    igi_correction correction;    /* what was taken out of the diffuse half */
+} igi_specular;
+
+/* Fits lobes to what the patches method has found, takes their light out of the diffuse solution
+ * in `diffuse`, and repeats until both agree. */
+IGI_MUST_USE igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem,
+                                            igi_diffuse *diffuse, igi_specular **specular);
+void igi_specular_destroy(igi_specular *specular);
+
+#endif
