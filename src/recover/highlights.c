@@ -12,6 +12,7 @@
 #include "scene/camera.h"
 
 #include <string.h>
+#include <stdlib.h>
 
 #define CANDIDATES 40000 /* pixels of a region that are scored */
 #define LAMP_POINTS 4    /* places on each lamp that the score looks at */
@@ -198,56 +199,111 @@ static void footprint_place(const view *v, float u, float w, igi_vec *point, igi
     *out = igi_normalize(igi_sub(centre, *point));
 }
 
-/* Density of the whole set at direction `in`: every way that could have drawn it. */
-static float set_density(const job *j, igi_vec in, igi_vec out, float lamp_density)
+/* Density of all lobes together at direction `in`. */
+static float lobes_density(const job *j, igi_vec in, igi_vec out)
 {
-    float density = (float)j->options.lamp_samples * lamp_density;
+    float density = 0;
     for (int a = 0; a < 4; a++)
         density += (float)j->options.lobe_samples / 4 *
                    igi_lobe_pdf(IGI_WARD, j->options.alphas[a], in, out);
     return density;
 }
 
-static int sample_lamps(const job *j, igi_vec point, igi_vec normal, igi_vec out, float pick,
-                        const float uv[2], igi_direction_sample *d, float *incident)
+/* Additive recurrences (Roberts 2018): of the plastic number for a direction, of square roots for
+ * the place in the pixel. */
+static void pattern_at(const float start[4], int m, float x[4])
 {
-    const igi_problem *p = j->field->problem;
-    size_t lights = igi_lighting_count(p->lighting);
-    if (lights == 0) return 0;
-    size_t l = (size_t)(pick * (float)lights);
-    if (l >= lights) l = lights - 1;
-    igi_light_sample s;
-    if (!igi_light_sample_toward(p->lighting, l, point, uv[0], uv[1], &s)) return 0;
-    d->in = igi_to_local(s.direction, normal);
-    if (d->in.z <= 0) return 0;
-    bool hidden = isinf(s.distance)
-                      ? igi_occluded_toward(p->tracer, point, s.direction, INFINITY)
-                      : igi_occluded(p->tracer, point, igi_madd(point, s.direction, s.distance));
-    if (hidden) return 1;
-    float radiance = s.pdf > 0 ? s.weight * s.pdf : s.weight; /* of a value of 1 */
-    float density = s.pdf > 0 ? set_density(j, d->in, out, s.pdf / (float)lights)
-                              : (float)j->options.lamp_samples / (float)lights;
-    d->weight = d->in.z / density;
-    for (int b = 0; b < p->bands; b++) incident[b] = radiance * (float)p->lights[l].value[b];
-    return 1;
+    static const float steps[4] = {0.7548776662f, 0.5698402910f, 0.4142135624f, 0.7320508076f};
+    for (int k = 0; k < 4; k++) {
+        float at = start[k] + (float)m * steps[k];
+        x[k] = fminf(at - floorf(at), 0.99999994f);
+    }
 }
 
-static int sample_lobe(const job *j, igi_vec point, igi_vec normal, igi_vec out, float alpha,
-                       const float uv[2], igi_rng *rng, igi_direction_sample *d, float *incident)
+typedef struct pixel_sets {
+    const job *j;
+    view v;
+    float start[4];
+    igi_direction_sample *directions;
+    float *incident;
+    uint64_t rays;
+} pixel_sets;
+
+static void sample_lobes(pixel_sets *s, igi_rng *rng)
 {
+    const job *j = s->j;
     const igi_problem *p = j->field->problem;
-    d->in = igi_lobe_sample(IGI_WARD, alpha, out, uv[0], uv[1]);
-    if (d->in.z <= 0) return 0;
-    igi_vec direction = igi_to_world(d->in, normal);
-    igi_hit hit = igi_trace(p->tracer, point, direction);
-    float lamp_density = 0;
-    int light = hit.triangle == IGI_NO_HIT ? -1 : igi_lighting_of_triangle(p->lighting, hit.triangle);
-    if (light >= 0)
-        lamp_density = igi_light_pdf(p->lighting, (size_t)light, point, direction, &hit) /
-                       (float)igi_lighting_count(p->lighting);
-    d->weight = d->in.z / set_density(j, d->in, out, lamp_density);
-    igi_lighting_add_emitted(p->lighting, direction, &hit, incident);
-    return 1 + igi_radiance_toward(j->field, point, direction, &hit, rng, incident);
+    for (int m = 0; m < j->options.lobe_samples; m++) {
+        igi_direction_sample *d = &s->directions[m];
+        float x[4];
+        igi_vec point, out;
+        pattern_at(s->start, m, x);
+        footprint_place(&s->v, x[2], x[3], &point, &out);
+        d->out = igi_to_local(out, s->v.normal);
+        if (d->out.z <= 0) continue;
+        d->in = igi_lobe_sample(IGI_WARD, j->options.alphas[m % 4], d->out, x[0], x[1]);
+        if (d->in.z <= 0) continue;
+        igi_vec direction = igi_to_world(d->in, s->v.normal);
+        igi_hit hit = igi_trace(p->tracer, point, direction);
+        d->weight = d->in.z / lobes_density(j, d->in, d->out);
+        s->rays += 1 + (uint64_t)igi_radiance_toward(j->field, point, direction, &hit, rng,
+                                                     s->incident + m * p->bands);
+    }
+}
+
+/* One direction to a lamp; true when it would arrive but for what is in between. `to` is its end. */
+static bool aim_at_lamp(const pixel_sets *s, size_t light, const float uv[2], const float place[2],
+                        igi_direction_sample *d, igi_vec *from, igi_vec *to, float *radiance)
+{
+    igi_light_sample sample;
+    igi_vec out;
+    footprint_place(&s->v, place[0], place[1], from, &out);
+    d->out = igi_to_local(out, s->v.normal);
+    if (d->out.z <= 0) return false;
+    const igi_lighting *lighting = s->j->field->problem->lighting;
+    if (!igi_light_sample_toward(lighting, light, *from, uv[0], uv[1], &sample)) return false;
+    d->in = igi_to_local(sample.direction, s->v.normal);
+    if (d->in.z <= 0) return false;
+    float reach = isinf(sample.distance) ? 1e6f : sample.distance;
+    *to = igi_madd(*from, sample.direction, reach);
+    *radiance = sample.weight;
+    return true;
+}
+
+/* The directions of one lamp. Its cells are tested once each; where they disagree, an edge of
+ * shadow crosses the lamp, and every direction is tested. */
+static void sample_lamp(pixel_sets *s, size_t light, int first)
+{
+    const igi_problem *p = s->j->field->problem;
+    int cells = s->j->options.lamp_cells, each = s->j->options.cell_samples;
+    int count = cells * cells * each, hidden = 0, tested = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        if (pass == 1 && (hidden == tested || hidden == 0)) break;
+        for (int m = 0; m < count; m++) {
+            bool test = pass == 1 || m < cells * cells; /* the first of each cell */
+            if (pass == 1 && m < cells * cells) continue; /* is known */
+            igi_direction_sample *d = &s->directions[first + m];
+            float x[4], radiance;
+            int cell = m % (cells * cells);
+            igi_vec from, to;
+            pattern_at(s->start, m + 7, x);
+            float uv[2] = {((float)(cell % cells) + x[0]) / (float)cells,
+                           ((float)(cell / cells) + x[1]) / (float)cells};
+            if (!aim_at_lamp(s, light, uv, x + 2, d, &from, &to, &radiance)) continue;
+            d->weight = d->in.z * radiance / (float)count;
+            if (test) {
+                bool is_hidden = igi_occluded(p->tracer, from, to);
+                if (is_hidden) d->weight = 0;
+                hidden += is_hidden;
+                tested++;
+                s->rays++;
+            }
+            for (int b = 0; b < p->bands; b++)
+                s->incident[(first + m) * p->bands + b] = (float)p->lights[light].value[b];
+        }
+        if (pass == 0 && hidden == tested)
+            for (int m = 0; m < count; m++) s->directions[first + m].weight = 0;
+    }
 }
 
 static void set_up_pixel(job *j, size_t i, uint64_t *rays)
@@ -255,33 +311,18 @@ static void set_up_pixel(job *j, size_t i, uint64_t *rays)
     igi_highlights *h = j->out;
     size_t bands = (size_t)h->bands, observation = h->observation[i];
     const igi_observations *o = j->field->problem->observations;
-    view v = view_of(j->field->problem, observation);
     igi_rng rng = igi_rng_make(igi_hash64(j->region), observation);
     memcpy(h->radiance + i * bands, o->radiance + observation * bands, bands * sizeof(float));
     j->irradiance(j->user, observation, h->irradiance + i * bands);
-    float start[5];
-    for (int k = 0; k < 5; k++) start[k] = igi_rng_float(&rng);
-    for (int m = 0; m < h->samples; m++) {
-        igi_direction_sample *d = &h->directions[i * (size_t)h->samples + (size_t)m];
-        float *incident = h->incident + (i * (size_t)h->samples + (size_t)m) * bands;
-        /* additive recurrences: of the plastic number for the direction, of the golden ratio and its
-         * like for the place in the pixel and the lamp */
-        static const float steps[5] = {0.7548776662f, 0.5698402910f, 0.6180339887f, 0.4142135624f,
-                                       0.7320508076f};
-        float x[5];
-        for (int k = 0; k < 5; k++) {
-            float at = start[k] + (float)m * steps[k];
-            x[k] = fminf(at - floorf(at), 0.99999994f);
-        }
-        igi_vec point, out;
-        footprint_place(&v, x[2], x[3], &point, &out);
-        d->out = igi_to_local(out, v.normal);
-        if (d->out.z <= 0) continue;
-        bool is_lobe = m < j->options.lobe_samples;
-        *rays += (uint64_t)(is_lobe ? sample_lobe(j, point, v.normal, d->out,
-                                                  j->options.alphas[m % 4], x, &rng, d, incident)
-                                    : sample_lamps(j, point, v.normal, d->out, x[4], x, d, incident));
-    }
+    pixel_sets s = {.j = j, .v = view_of(j->field->problem, observation),
+                    .directions = h->directions + i * (size_t)h->samples,
+                    .incident = h->incident + i * (size_t)h->samples * bands};
+    for (int k = 0; k < 4; k++) s.start[k] = igi_rng_float(&rng);
+    sample_lobes(&s, &rng);
+    int lamp_samples = j->options.lamp_cells * j->options.lamp_cells * j->options.cell_samples;
+    for (size_t l = 0; l < j->rows->lights; l++)
+        sample_lamp(&s, l, j->options.lobe_samples + (int)l * lamp_samples);
+    *rays += s.rays;
 }
 
 static igi_status set_up_pixels(igi_context *ctx, void *user, size_t task, int worker)
@@ -316,7 +357,8 @@ igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *fie
     *highlights = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &j.out));
     j.out->bands = field->problem->bands;
-    j.out->samples = options->lobe_samples + options->lamp_samples;
+    int lamp_samples = options->lamp_cells * options->lamp_cells * options->cell_samples;
+    j.out->samples = options->lobe_samples + (int)rows->lights * lamp_samples;
     IGI_TRY_GOTO(find_candidates(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, (j.candidate_count + 1023) / 1024, score_candidates, &j));
     IGI_TRY_GOTO(choose(ctx, &j));

@@ -2,12 +2,14 @@
  *
  * The pixels that tell most about a region's lobe, and the light that reaches them.
  *
- * Each chosen pixel has a fixed set of directions, drawn from lobes of several roughnesses and from
- * the lamps (multi-sample estimator, balance heuristic; Veach 1997), each with the radiance that
- * arrives along it. For any model and roughness
+ * Each chosen pixel has a fixed set of directions with the radiance that arrives along each. For any
+ * model and roughness
  *     S(alpha) = sum_m incident_m f_s(in_m, out_m; alpha) cos_m / p_m
- * is then a smooth function of alpha that costs no further ray. The sample's place within the
- * pixel is drawn too, so that S is the mean over the pixel's footprint.
+ * is then a smooth function of alpha that costs no further ray. Lamps and surfaces are kept apart.
+ * Lamps are bright and known: many directions on a grid over each, few of them tested for shadow
+ * while the tests agree. Surfaces are dim and smooth: directions from lobes of four roughnesses
+ * (balance heuristic; Veach 1997). Each direction has its own place within the pixel, so that S is
+ * the mean over the pixel's footprint.
  */
 #ifndef IGI_SRC_RECOVER_HIGHLIGHTS_H
 #define IGI_SRC_RECOVER_HIGHLIGHTS_H
@@ -35,7 +37,8 @@ typedef struct igi_highlights {
 typedef struct igi_highlight_options {
     size_t pixels;        /* about how many to choose */
     int lobe_samples;     /* directions from lobes, a multiple of 4 */
-    int lamp_samples;     /* directions to the lamps, in all */
+    int lamp_cells;       /* each lamp's grid is this many cells wide and high: shadow tests */
+    int cell_samples;     /* directions in each cell */
     float alphas[4];      /* of the lobes that directions are drawn from */
     bool per_point;       /* the region is textured: albedo is eliminated point by point */
 } igi_highlight_options;

@@ -21,7 +21,7 @@
 #define ALPHA_HIGH 0.7
 #define GRID 20
 #define OUTLIER_SIGMAS 4.0
-#define ROUNDS 4
+#define ROUNDS 5
 
 typedef struct fit {
     const igi_highlights *h;
@@ -114,7 +114,7 @@ static double median_of(float *x, size_t n)
 }
 
 /* Weights 1/(c prediction)^2, c the spread of relative residuals, and less for outliers. Returns c. */
-static double reweigh(fit *f, const column *c, double specular, float *scratch)
+static double reweigh(fit *f, const column *c, double specular, bool robust, float *scratch)
 {
     size_t n = f->n * f->bands;
     double floor = 0;
@@ -133,7 +133,7 @@ static double reweigh(fit *f, const column *c, double specular, float *scratch)
             size_t k = i * f->bands + b;
             double p = fabs(prediction(f, c, specular, i, b)) + floor;
             double sigmas = (double)scratch[k] / noise;
-            double huber = sigmas > OUTLIER_SIGMAS ? OUTLIER_SIGMAS / sigmas : 1;
+            double huber = robust && sigmas > OUTLIER_SIGMAS ? OUTLIER_SIGMAS / sigmas : 1;
             f->weight[k] = (float)(huber / (noise * noise * p * p));
         }
     return noise;
@@ -183,7 +183,7 @@ static igi_status search(igi_context *ctx, fit *f, igi_model model, const double
         column c = column_of(f, &table, at);
         best = evaluate(f, &c);
         e->specular = best.specular;
-        e->noise = reweigh(f, &c, best.specular, scratch);
+        e->noise = reweigh(f, &c, best.specular, round > 1, scratch);
     }
     /* with the weights of the best model, so that both are judged by one measure */
     size_t at = best_column(f, &table, &e->alpha, &best);
@@ -215,7 +215,7 @@ igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_
     (void)evaluate(&f, &none);
     float *scratch;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * n * bands, &scratch));
-    (void)reweigh(&f, &none, 0, scratch);
+    (void)reweigh(&f, &none, 0, false, scratch);
     igi_free(scratch);
     spread_alphas(ALPHA_LOW, ALPHA_HIGH, GRID, alphas);
     IGI_TRY_GOTO(search(ctx, &f, model, alphas, GRID, estimate));

@@ -2,6 +2,7 @@
 #include "recover/specular.h"
 
 #include "base/parallel.h"
+#include "brdf/brdf.h"
 #include "recover/methods.h"
 #include "scene/camera.h"
 
@@ -131,7 +132,8 @@ static igi_status fit_region(igi_context *ctx, const igi_radiance_field *field,
     const igi_problem *p = field->problem;
     igi_highlights *h = NULL;
     igi_status status = IGI_OK;
-    igi_highlight_options options = {.pixels = 2000, .lobe_samples = 48, .lamp_samples = 16,
+    igi_highlight_options options = {.pixels = 2000, .lobe_samples = 48, .lamp_cells = 4,
+                                     .cell_samples = 8,
                                      .alphas = {0.03f, 0.08f, 0.18f, 0.4f},
                                      .per_point = p->scene->regions[region].textured == IGI_YES};
     igi_lobe_estimate *e = &s->estimates[region];
@@ -144,6 +146,11 @@ static igi_status fit_region(igi_context *ctx, const igi_radiance_field *field,
     IGI_TRY_GOTO(igi_highlights_create(ctx, field, diffuse->rows, region, &options, row_irradiance,
                                        &source, &h));
     IGI_TRY_GOTO(igi_lobe_fit(ctx, h, IGI_WARD, e));
+    if (getenv("DUMP") && !strcmp(getenv("DUMP"), p->scene->regions[region].name)) {
+      double al[1] = {atof(getenv("DA"))}; igi_lobe_table t; (void)!igi_lobe_table_create(ctx, h, IGI_WARD, al, 1, &t);
+      { FILE*g=fopen("/tmp/try/samples.txt","w"); for(size_t i=0;i<h->count;i++) { if (t.scale[3*i]<1.2f) continue; for(int m=0;m<h->samples;m++){ igi_direction_sample d=h->directions[i*(size_t)h->samples+(size_t)m]; float sc=0,bb=0; if(d.weight>0) igi_lobe_terms(IGI_WARD,.2f,d.in,d.out,&sc,&bb); fprintf(g,"%zu %d %g %g %g %g\n",i,m,(double)d.weight,(double)h->incident[(i*(size_t)h->samples+(size_t)m)*3],(double)sc,(double)d.in.z);} } fclose(g);}
+      FILE*fp=fopen("/tmp/try/dump.txt","w"); for(size_t i=0;i<h->count;i++){ igi_vec o = h->directions[i*h->samples].out; fprintf(fp,"%u %u %g %g %g %g %g %g %g %g %g %g\n",h->group[i],h->observation[i],h->radiance[3*i],h->radiance[3*i+1],h->radiance[3*i+2],h->irradiance[3*i],h->irradiance[3*i+1],h->irradiance[3*i+2],t.scale[3*i],t.scale[3*i+1],t.scale[3*i+2],o.z);} fclose(fp);
+    }
     if (getenv("VV")) {
       igi_lobe_estimate g, ph; (void)!igi_lobe_fit(ctx, h, IGI_GGX, &g); (void)!igi_lobe_fit(ctx,h,IGI_PHONG,&ph);
       printf("%-14s n %zu groups %zu ward rs %.4f a %.4f noise %.3f chi %.1f plain %.1f of %.0f | ggx rs %.4f a %.4f chi %.1f pl %.1f | phong %.4f %.4f %.1f pl %.1f\n", p->scene->regions[region].name, h->count, h->groups, e->specular, e->alpha, e->noise, e->misfit, e->plain_misfit, e->residuals,
