@@ -31,6 +31,12 @@ typedef struct igi_light_sample {
 /* Samples light number `light` from (u,v) in the unit square. false: it cannot shine there. */
 bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec point, float u,
                              float v, igi_light_sample *sample);
+/* `count` samples of one light together, spread over what of it faces the point, in proportion to
+ * the solid angle of each piece: sum over them of weight * value * f estimates the integral of
+ * radiance * f over directions. `start` in the unit square shifts the pattern. Returns how many were
+ * made: one for a light of no extent, none when it cannot shine there. */
+size_t igi_light_sample_set(const igi_lighting *lighting, size_t light, igi_vec point, size_t count,
+                            const float start[2], igi_light_sample *samples);
 /* The density with which igi_light_sample_toward would choose the direction that met `hit`. */
 float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, igi_vec direction,
                     const igi_hit *hit);

@@ -92,3 +92,59 @@ float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, i
     float cosine = fabsf(igi_dot(direction, normal));
     return hit->distance * hit->distance / fmaxf(cosine * s->area, 1e-30f);
 }
+
+/* Solid angle of an emitter's front, were it far away. */
+static float facing_angle(const emitter *e, igi_vec point)
+{
+    igi_vec d = igi_sub(e->centre, point);
+    float squared = igi_dot(d, d), facing = -igi_dot(d, e->normal);
+    return facing > 0 ? e->area * facing / (squared * sqrtf(squared)) : 0;
+}
+
+static size_t area_sample_set(const igi_lighting *l, const source *s, igi_vec point, size_t count,
+                              const float start[2], igi_light_sample *samples)
+{
+    const emitter *emitters = l->emitters + s->first;
+    float whole = 0;
+    for (size_t i = 0; i < s->count; i++) whole += facing_angle(&emitters[i], point);
+    if (!(whole > 0)) return 0;
+    size_t i = 0, made = 0;
+    float angle = facing_angle(&emitters[0], point), below = 0, u = start[0], v = start[1];
+    for (size_t k = 0; k < count; k++) {
+        float target = ((float)k + start[0]) / (float)count * whole;
+        while (below + angle <= target && i + 1 < s->count) {
+            below += angle;
+            angle = facing_angle(&emitters[++i], point);
+        }
+        u += 0.7548776662f;
+        v += 0.5698402910f;
+        float root = sqrtf(u - floorf(u)), side = v - floorf(v);
+        igi_vec p = igi_madd(igi_madd(emitters[i].corner, emitters[i].edge1, root * (1 - side)),
+                             emitters[i].edge2, root * side);
+        igi_vec d = igi_sub(p, point);
+        float squared = igi_dot(d, d), distance = sqrtf(squared);
+        float facing = -igi_dot(d, emitters[i].normal);
+        if (!(facing > 0) || !(angle > 0)) continue;
+        float solid = emitters[i].area * facing / (squared * distance); /* were all of it here */
+        samples[made++] = (igi_light_sample){igi_scale(d, 1 / distance), distance, 1 / solid,
+                                             solid * whole / (angle * (float)count)};
+    }
+    return made;
+}
+
+size_t igi_light_sample_set(const igi_lighting *lighting, size_t light, igi_vec point, size_t count,
+                            const float start[2], igi_light_sample *samples)
+{
+    const source *s = &lighting->sources[light];
+    if (s->light->type == IGI_LIGHT_AREA)
+        return area_sample_set(lighting, s, point, count, start, samples);
+    bool is_extended = s->light->type == IGI_LIGHT_LINE;
+    if (!is_extended) return igi_light_sample_toward(lighting, light, point, 0, 0, samples) ? 1 : 0;
+    size_t made = 0;
+    for (size_t k = 0; k < count; k++) {
+        float u = ((float)k + start[0]) / (float)count;
+        if (!igi_light_sample_toward(lighting, light, point, u, start[1], &samples[made])) continue;
+        samples[made++].weight /= (float)count;
+    }
+    return made;
+}

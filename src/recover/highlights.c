@@ -15,6 +15,7 @@
 #include <stdlib.h>
 
 #define CANDIDATES 40000 /* pixels of a region that are scored */
+#define MAX_LAMP_SAMPLES 256
 #define LAMP_POINTS 4    /* places on each lamp that the score looks at */
 
 typedef struct job {
@@ -251,58 +252,47 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
     }
 }
 
-/* One direction to a lamp; true when it would arrive but for what is in between. `to` is its end. */
-static bool aim_at_lamp(const pixel_sets *s, size_t light, const float uv[2], const float place[2],
-                        igi_direction_sample *d, igi_vec *from, igi_vec *to, float *radiance)
+static bool is_shadowed(const igi_problem *p, igi_vec from, const igi_light_sample *s)
 {
-    igi_light_sample sample;
-    igi_vec out;
-    footprint_place(&s->v, place[0], place[1], from, &out);
-    d->out = igi_to_local(out, s->v.normal);
-    if (d->out.z <= 0) return false;
-    const igi_lighting *lighting = s->j->field->problem->lighting;
-    if (!igi_light_sample_toward(lighting, light, *from, uv[0], uv[1], &sample)) return false;
-    d->in = igi_to_local(sample.direction, s->v.normal);
-    if (d->in.z <= 0) return false;
-    float reach = isinf(sample.distance) ? 1e6f : sample.distance;
-    *to = igi_madd(*from, sample.direction, reach);
-    *radiance = sample.weight;
-    return true;
+    if (isinf(s->distance)) return igi_occluded_toward(p->tracer, from, s->direction, INFINITY);
+    return igi_occluded(p->tracer, from, igi_madd(from, s->direction, s->distance));
 }
 
-/* The directions of one lamp. Its cells are tested once each; where they disagree, an edge of
- * shadow crosses the lamp, and every direction is tested. */
+/* The directions of one lamp, into directions[first...]. Some are tested for shadow; where they
+ * disagree, an edge of shadow crosses the lamp, and every direction is tested. */
 static void sample_lamp(pixel_sets *s, size_t light, int first)
 {
     const igi_problem *p = s->j->field->problem;
-    int cells = s->j->options.lamp_cells, each = s->j->options.cell_samples;
-    int count = cells * cells * each, hidden = 0, tested = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        if (pass == 1 && (hidden == tested || hidden == 0)) break;
-        for (int m = 0; m < count; m++) {
-            bool test = pass == 1 || m < cells * cells; /* the first of each cell */
-            if (pass == 1 && m < cells * cells) continue; /* is known */
-            igi_direction_sample *d = &s->directions[first + m];
-            float x[4], radiance;
-            int cell = m % (cells * cells);
-            igi_vec from, to;
-            pattern_at(s->start, m + 7, x);
-            float uv[2] = {((float)(cell % cells) + x[0]) / (float)cells,
-                           ((float)(cell / cells) + x[1]) / (float)cells};
-            if (!aim_at_lamp(s, light, uv, x + 2, d, &from, &to, &radiance)) continue;
-            d->weight = d->in.z * radiance / (float)count;
-            if (test) {
-                bool is_hidden = igi_occluded(p->tracer, from, to);
-                if (is_hidden) d->weight = 0;
-                hidden += is_hidden;
-                tested++;
-                s->rays++;
-            }
-            for (int b = 0; b < p->bands; b++)
-                s->incident[(first + m) * p->bands + b] = (float)p->lights[light].value[b];
+    igi_light_sample samples[MAX_LAMP_SAMPLES];
+    size_t count = igi_light_sample_set(p->lighting, light, s->v.point,
+                                        (size_t)s->j->options.lamp_samples, s->start, samples);
+    size_t step = count / (size_t)s->j->options.lamp_tests + 1, hidden = 0, tested = 0;
+    for (size_t m = 0; m < count; m += step) {
+        hidden += is_shadowed(p, s->v.point, &samples[m]);
+        tested++;
+    }
+    s->rays += tested;
+    if (hidden == tested) return;
+    for (size_t m = 0; m < count; m++) {
+        igi_direction_sample *d = &s->directions[first + (int)m];
+        float x[4];
+        igi_vec from, out;
+        if (hidden > 0) {
+            s->rays++;
+            if (is_shadowed(p, s->v.point, &samples[m])) continue;
         }
-        if (pass == 0 && hidden == tested)
-            for (int m = 0; m < count; m++) s->directions[first + m].weight = 0;
+        pattern_at(s->start, (int)m, x);
+        footprint_place(&s->v, x[2], x[3], &from, &out);
+        d->out = igi_to_local(out, s->v.normal);
+        /* toward the same point of the lamp from this place of the pixel */
+        igi_vec direction = samples[m].direction;
+        if (!isinf(samples[m].distance))
+            direction = igi_normalize(igi_sub(igi_madd(s->v.point, direction, samples[m].distance), from));
+        d->in = igi_to_local(direction, s->v.normal);
+        if (d->in.z <= 0 || d->out.z <= 0) continue;
+        d->weight = d->in.z * samples[m].weight;
+        for (int b = 0; b < p->bands; b++)
+            s->incident[(first + (int)m) * p->bands + b] = (float)p->lights[light].value[b];
     }
 }
 
@@ -319,9 +309,8 @@ static void set_up_pixel(job *j, size_t i, uint64_t *rays)
                     .incident = h->incident + i * (size_t)h->samples * bands};
     for (int k = 0; k < 4; k++) s.start[k] = igi_rng_float(&rng);
     sample_lobes(&s, &rng);
-    int lamp_samples = j->options.lamp_cells * j->options.lamp_cells * j->options.cell_samples;
     for (size_t l = 0; l < j->rows->lights; l++)
-        sample_lamp(&s, l, j->options.lobe_samples + (int)l * lamp_samples);
+        sample_lamp(&s, l, j->options.lobe_samples + (int)l * j->options.lamp_samples);
     *rays += s.rays;
 }
 
@@ -357,8 +346,8 @@ igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *fie
     *highlights = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &j.out));
     j.out->bands = field->problem->bands;
-    int lamp_samples = options->lamp_cells * options->lamp_cells * options->cell_samples;
-    j.out->samples = options->lobe_samples + (int)rows->lights * lamp_samples;
+    j.out->lobe_samples = options->lobe_samples;
+    j.out->samples = options->lobe_samples + (int)rows->lights * options->lamp_samples;
     IGI_TRY_GOTO(find_candidates(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, (j.candidate_count + 1023) / 1024, score_candidates, &j));
     IGI_TRY_GOTO(choose(ctx, &j));

@@ -6,8 +6,8 @@
  * model and roughness
  *     S(alpha) = sum_m incident_m f_s(in_m, out_m; alpha) cos_m / p_m
  * is then a smooth function of alpha that costs no further ray. Lamps and surfaces are kept apart.
- * Lamps are bright and known: many directions on a grid over each, few of them tested for shadow
- * while the tests agree. Surfaces are dim and smooth: directions from lobes of four roughnesses
+ * Lamps are bright and known: many directions over each, few of them tested for shadow while the
+ * tests agree. Surfaces are dim and smooth: directions from lobes of four roughnesses
  * (balance heuristic; Veach 1997). Each direction has its own place within the pixel, so that S is
  * the mean over the pixel's footprint.
  */
@@ -23,7 +23,8 @@ typedef struct igi_direction_sample {
 
 typedef struct igi_highlights {
     size_t count; /* pixels */
-    int samples;  /* directions of each */
+    int samples;  /* directions of each, */
+    int lobe_samples; /* of which the first are to surfaces, the others to lamps */
     int bands;
     size_t groups;           /* pixels of one group show one albedo: a region, or one of its points */
     uint32_t *group;         /* [count] rising */
@@ -37,8 +38,8 @@ typedef struct igi_highlights {
 typedef struct igi_highlight_options {
     size_t pixels;        /* about how many to choose */
     int lobe_samples;     /* directions from lobes, a multiple of 4 */
-    int lamp_cells;       /* each lamp's grid is this many cells wide and high: shadow tests */
-    int cell_samples;     /* directions in each cell */
+    int lamp_samples;     /* directions to each lamp */
+    int lamp_tests;       /* shadow rays to each lamp as long as they agree */
     float alphas[4];      /* of the lobes that directions are drawn from */
     bool per_point;       /* the region is textured: albedo is eliminated point by point */
 } igi_highlight_options;

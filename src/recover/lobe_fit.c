@@ -8,6 +8,9 @@
  *     chi^2(alpha) = sum <y_perp, y_perp> - rho_s sum <y_perp, S_perp>
  * (variable projection; Golub & Pereyra 1973). chi^2 over a grid of alphas finds the basin.
  *
+ * S carries noise of its own from the choice of directions. Left alone it would draw rho_s toward
+ * zero (errors in variables); its variance, known from halves, is taken out of <S_perp, S_perp>.
+ *
  * Noise is taken as proportional to the *predicted* radiance: weights from the noisy radiance itself
  * would favour what came out dark by chance. Residuals beyond OUTLIER_SIGMAS lose weight (Huber),
  * generously, or the highlight itself would be cut.
@@ -18,7 +21,7 @@
 #include <string.h>
 
 #define ALPHA_LOW 0.01
-#define ALPHA_HIGH 0.7
+#define ALPHA_HIGH 0.5
 #define GRID 20
 #define OUTLIER_SIGMAS 4.0
 #define ROUNDS 5
@@ -36,14 +39,14 @@ typedef struct outcome {
 } outcome;
 
 typedef struct column {
-    const float *scale, *base; /* of pixel 0 at this alpha; NULL: no lobe */
+    const float *scale, *base, *noise; /* of pixel 0 at this alpha; NULL: no lobe */
     size_t stride;             /* to the next pixel */
 } column;
 
 static column column_of(const fit *f, const igi_lobe_table *t, size_t a)
 {
     return (column){t->scale + a * f->bands, t->base ? t->base + a * f->bands : NULL,
-                    t->alpha_count * f->bands};
+                    t->noise + a * f->bands, t->alpha_count * f->bands};
 }
 
 static double light_of(const fit *f, size_t k)
@@ -72,6 +75,7 @@ static outcome evaluate(fit *f, const column *c)
             yy += w * y * y;
             ys += w * y * s;
             ss += w * s * s;
+            if (c->noise) ss -= w * (double)c->noise[i * c->stride + b];
             g[0] += w * e * e;
             g[1] += w * y * e;
             g[2] += w * s * e;
@@ -187,7 +191,7 @@ static igi_status search(igi_context *ctx, fit *f, igi_model model, const double
     }
     /* with the weights of the best model, so that both are judged by one measure */
     size_t at = best_column(f, &table, &e->alpha, &best);
-    column none = {NULL, NULL, 0}, c = column_of(f, &table, at);
+    column none = {NULL, NULL, NULL, 0}, c = column_of(f, &table, at);
     e->plain_misfit = evaluate(f, &none).misfit;
     e->misfit = evaluate(f, &c).misfit;
     e->specular = best.specular;
@@ -211,7 +215,7 @@ igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_
     IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands * 3, &f.sums));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands, &f.albedo));
     for (size_t k = 0; k < n * bands; k++) f.weight[k] = 1;
-    column none = {NULL, NULL, 0};
+    column none = {NULL, NULL, NULL, 0};
     (void)evaluate(&f, &none);
     float *scratch;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * n * bands, &scratch));

@@ -11,12 +11,12 @@ typedef struct job {
     igi_lobe_table *table;
 } job;
 
-static void tabulate_pixel(const igi_highlights *h, igi_lobe_table *t, size_t i)
+/* Adds the directions begin..end to the pixel's columns. */
+static void add_directions(const igi_highlights *h, const igi_lobe_table *t, size_t i,
+                           const int range[2], float *scale, float *base)
 {
     size_t bands = (size_t)h->bands;
-    float *scale = t->scale + i * t->alpha_count * bands;
-    float *base = t->base ? t->base + i * t->alpha_count * bands : NULL;
-    for (int m = 0; m < h->samples; m++) {
+    for (int m = range[0]; m < range[1]; m++) {
         size_t at = i * (size_t)h->samples + (size_t)m;
         const igi_direction_sample *d = &h->directions[at];
         if (!(d->weight > 0)) continue;
@@ -30,6 +30,24 @@ static void tabulate_pixel(const igi_highlights *h, igi_lobe_table *t, size_t i)
             }
         }
     }
+}
+
+static void tabulate_pixel(const igi_highlights *h, igi_lobe_table *t, size_t i)
+{
+    size_t width = t->alpha_count * (size_t)h->bands;
+    float *scale = t->scale + i * width, *noise = t->noise + i * width;
+    float *base = t->base ? t->base + i * width : NULL;
+    const int first[2] = {0, h->lobe_samples / 2};
+    const int second[2] = {h->lobe_samples / 2, h->lobe_samples};
+    const int lamps[2] = {h->lobe_samples, h->samples};
+    add_directions(h, t, i, second, noise, base);
+    add_directions(h, t, i, first, scale, base);
+    for (size_t k = 0; k < width; k++) {
+        float a = scale[k], b = noise[k];
+        scale[k] = a + b;
+        noise[k] = (a - b) * (a - b);
+    }
+    add_directions(h, t, i, lamps, scale, base);
 }
 
 static igi_status tabulate(igi_context *ctx, void *user, size_t task, int worker)
@@ -50,6 +68,7 @@ igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlig
     *table = (igi_lobe_table){.model = model, .alpha_count = alpha_count, .alphas = alphas};
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->scale));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->noise));
     if (model == IGI_GGX) IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->base));
     job j = {highlights, table};
     IGI_TRY_GOTO(igi_parallel_for(ctx, (highlights->count + PIXELS_A_TASK - 1) / PIXELS_A_TASK,
@@ -63,5 +82,6 @@ void igi_lobe_table_clear(igi_lobe_table *table)
 {
     igi_free(table->scale);
     igi_free(table->base);
+    igi_free(table->noise);
     *table = (igi_lobe_table){.model = IGI_LAMBERT};
 }

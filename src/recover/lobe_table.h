@@ -8,12 +8,13 @@
 #include "recover/highlights.h"
 
 /* The specular radiance of pixel i at roughness alphas[a] is rho_s scale[i][a] + base[i][a], per
- * band: scale[count][alpha_count][bands]; base is NULL but for ggx. */
+ * band: scale[count][alpha_count][bands]; base is NULL but for ggx. noise is the variance of scale
+ * that the choice of directions leaves: (A - B)^2 for halves A + B = scale. */
 typedef struct igi_lobe_table {
     igi_model model;
     size_t alpha_count;
     const double *alphas; /* the caller's, rising */
-    float *scale, *base;
+    float *scale, *base, *noise;
 } igi_lobe_table;
 
 IGI_MUST_USE igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights,

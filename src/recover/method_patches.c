@@ -102,6 +102,7 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.direct));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.irradiance));
     IGI_TRY_GOTO(igi_places_create(ctx, problem, s.rows, s.irradiance, &s.places));
+    diffuse->received = correction ? correction->received : NULL;
     fill_direct(&s, correction);
     fill_seen(&s, correction);
     IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));

@@ -57,6 +57,8 @@ typedef struct igi_diffuse {
     float *radiance; /* [2 patches][bands] radiance that leaves each side: what was seen, and what the
                         method solved for; irradiance is gathered from it afterwards */
     igi_rows *rows;  /* the rows that the method gathered with, or NULL: owned */
+    const float *received; /* [rows][bands] irradiance that lobes add to the rows', or NULL; the
+                              caller's */
     bool ignores_indirect; /* the method knows no light but the lamps' */
 } igi_diffuse;
 

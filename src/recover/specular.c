@@ -3,6 +3,7 @@
 
 #include "base/parallel.h"
 #include "brdf/brdf.h"
+#include "recover/field.h"
 #include "recover/methods.h"
 #include "scene/camera.h"
 
@@ -106,34 +107,26 @@ static igi_status correct_rows(igi_context *ctx, void *user, size_t task, int wo
 
 typedef struct irradiance_source {
     const igi_problem *problem;
-    const igi_diffuse *diffuse;
-    const igi_correction *correction;
+    const igi_field *field;
 } irradiance_source;
 
-static void row_irradiance(const void *user, size_t observation, float *irradiance)
+static void irradiance_at(const void *user, size_t observation, float *irradiance)
 {
     const irradiance_source *s = user;
     const igi_observations *o = s->problem->observations;
-    int bands = s->problem->bands;
-    uint32_t surface = o->surface[observation];
-    uint32_t patch = igi_patch_at(s->problem->patches, igi_surface_triangle(surface),
-                                  o->uv[2 * observation], o->uv[2 * observation + 1]);
-    uint32_t row = s->diffuse->rows->row_of[2 * patch + (surface & 1)];
-    float direct[IGI_MAX_BANDS];
-    igi_row_indirect(s->diffuse->rows, row, s->diffuse->radiance, bands, irradiance);
-    igi_row_direct(s->diffuse->rows, row, s->problem->lights, bands, direct);
-    for (int b = 0; b < bands; b++)
-        irradiance[b] += direct[b] + s->correction->received[(size_t)row * (size_t)bands + (size_t)b];
+    igi_field_irradiance(s->field, o->surface[observation], o->uv[2 * observation],
+                         o->uv[2 * observation + 1], irradiance);
 }
 
 static igi_status fit_region(igi_context *ctx, const igi_radiance_field *field,
-                             const igi_diffuse *diffuse, igi_specular *s, size_t region)
+                             const igi_diffuse *diffuse, const igi_field *irradiance,
+                             igi_specular *s, size_t region)
 {
     const igi_problem *p = field->problem;
     igi_highlights *h = NULL;
     igi_status status = IGI_OK;
-    igi_highlight_options options = {.pixels = 2000, .lobe_samples = 48, .lamp_cells = 4,
-                                     .cell_samples = 8,
+    igi_highlight_options options = {.pixels = 2000, .lobe_samples = 48, .lamp_samples = 128,
+                                     .lamp_tests = 8,
                                      .alphas = {0.03f, 0.08f, 0.18f, 0.4f},
                                      .per_point = p->scene->regions[region].textured == IGI_YES};
     igi_lobe_estimate *e = &s->estimates[region];
@@ -142,13 +135,13 @@ static igi_status fit_region(igi_context *ctx, const igi_radiance_field *field,
         for (int k = 0; k < 3; k++) options.alphas[k] = a * (k == 0 ? 0.6f : k == 1 ? 1.0f : 1.7f);
         options.alphas[3] = fmaxf(0.4f, a);
     }
-    irradiance_source source = {p, diffuse, &s->correction};
-    IGI_TRY_GOTO(igi_highlights_create(ctx, field, diffuse->rows, region, &options, row_irradiance,
+    irradiance_source source = {p, irradiance};
+    IGI_TRY_GOTO(igi_highlights_create(ctx, field, diffuse->rows, region, &options, irradiance_at,
                                        &source, &h));
     IGI_TRY_GOTO(igi_lobe_fit(ctx, h, IGI_WARD, e));
     if (getenv("DUMP") && !strcmp(getenv("DUMP"), p->scene->regions[region].name)) {
       double al[1] = {atof(getenv("DA"))}; igi_lobe_table t; (void)!igi_lobe_table_create(ctx, h, IGI_WARD, al, 1, &t);
-      { FILE*g=fopen("/tmp/try/samples.txt","w"); for(size_t i=0;i<h->count;i++) { if (t.scale[3*i]<1.2f) continue; for(int m=0;m<h->samples;m++){ igi_direction_sample d=h->directions[i*(size_t)h->samples+(size_t)m]; float sc=0,bb=0; if(d.weight>0) igi_lobe_terms(IGI_WARD,.2f,d.in,d.out,&sc,&bb); fprintf(g,"%zu %d %g %g %g %g\n",i,m,(double)d.weight,(double)h->incident[(i*(size_t)h->samples+(size_t)m)*3],(double)sc,(double)d.in.z);} } fclose(g);}
+      { FILE*g=fopen("/tmp/try/samples.txt","w"); for(size_t i=0;i<h->count;i++) { if (h->observation[i]!=9876 && h->observation[i]!=744300) continue; for(int m=0;m<h->samples;m++){ igi_direction_sample d=h->directions[i*(size_t)h->samples+(size_t)m]; float sc=0,bb=0; if(d.weight>0) igi_lobe_terms(IGI_WARD,.15f,d.in,d.out,&sc,&bb); fprintf(g,"%zu %d %g %g %g %g\n",i,m,(double)d.weight,(double)h->incident[(i*(size_t)h->samples+(size_t)m)*3],(double)sc,(double)d.in.z);} } fclose(g);}
       FILE*fp=fopen("/tmp/try/dump.txt","w"); for(size_t i=0;i<h->count;i++){ igi_vec o = h->directions[i*h->samples].out; fprintf(fp,"%u %u %g %g %g %g %g %g %g %g %g %g\n",h->group[i],h->observation[i],h->radiance[3*i],h->radiance[3*i+1],h->radiance[3*i+2],h->irradiance[3*i],h->irradiance[3*i+1],h->irradiance[3*i+2],t.scale[3*i],t.scale[3*i+1],t.scale[3*i+2],o.z);} fclose(fp);
     }
     if (getenv("VV")) {
@@ -182,6 +175,7 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     igi_status status = IGI_OK;
     igi_specular *s = NULL;
     float *total = NULL;
+    igi_field *irradiance = NULL;
     size_t regions = problem->scene->region_count, sides = 2 * problem->patches->count;
     size_t bands = (size_t)problem->bands;
     *specular = NULL;
@@ -195,11 +189,14 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     for (int round = 0; round < (getenv("SR")?atoi(getenv("SR")):ROUNDS); round++) {
         igi_stage_begin(ctx, "lobes");
         set_total(problem, diffuse, &s->correction, total);
+        IGI_TRY_GOTO(igi_field_create(ctx, problem, diffuse, &irradiance));
         for (size_t r = 0; r < regions; r++) {
             if (problem->scene->regions[r].emitter || !diffuse->determined[r]) continue;
-            IGI_TRY_GOTO(fit_region(ctx, &field, diffuse, s, r));
+            IGI_TRY_GOTO(fit_region(ctx, &field, diffuse, irradiance, s, r));
         }
         for (size_t r = 0; r < regions; r++) take_lobe(&s->lobes[r], &s->estimates[r], problem->bands);
+        igi_field_destroy(irradiance);
+        irradiance = NULL;
         igi_stage_begin(ctx, "correct");
         job j = {problem, &field, diffuse->rows, s->lobes, &s->correction, (uint64_t)round};
         size_t tasks = (diffuse->rows->count + SIDES_A_TASK - 1) / SIDES_A_TASK;
@@ -210,6 +207,7 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     *specular = s;
     s = NULL;
 cleanup:
+    igi_field_destroy(irradiance);
     igi_free(total);
     igi_specular_destroy(s);
     return status;
