@@ -12,7 +12,6 @@
 #include "scene/camera.h"
 
 #include <string.h>
-#include <stdlib.h>
 
 #define CANDIDATES 40000 /* pixels of a region that are scored */
 #define MAX_LAMP_SAMPLES 256

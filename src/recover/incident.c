@@ -2,7 +2,6 @@
 #include "recover/incident.h"
 
 #include "brdf/brdf.h"
-#include <stdlib.h>
 
 static float lobe_value(const igi_lobe *lobe, int band, igi_vec in, igi_vec out)
 {
@@ -83,9 +82,9 @@ int igi_radiance_toward(const igi_radiance_field *field, igi_vec origin, igi_vec
 {
     const igi_problem *p = field->problem;
     if (hit->triangle == IGI_NO_HIT || is_lamp(p, hit->triangle)) return 0;
-    const float *diffuse = side_radiance(p, field->diffuse, hit);
-    for (int b = 0; b < p->bands; b++) radiance[b] += diffuse[b];
-    if (!field->lobes || getenv("NODS")) { if (getenv("NODS")) { const float *t = side_radiance(p, field->total, hit); for (int b = 0; b < p->bands; b++) radiance[b] += t[b] - diffuse[b]; } return 0; }
+    const float *base = side_radiance(p, field->lobes ? field->diffuse : field->total, hit);
+    for (int b = 0; b < p->bands; b++) radiance[b] += base[b];
+    if (!field->lobes) return 0;
     const igi_lobe *lobe = &field->lobes[p->scene->mesh.regions[hit->triangle]];
     if (lobe->model == IGI_LAMBERT) return 0;
     igi_vec normal = igi_tracer_normal(p->tracer, hit->triangle);

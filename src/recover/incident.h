@@ -22,7 +22,7 @@ typedef struct igi_radiance_field {
     const igi_problem *problem;
     const float *diffuse; /* [2 patches][bands] the part of each side that all directions share */
     const float *total;   /* [2 patches][bands] with the lobe as the cameras saw it on average */
-    const igi_lobe *lobes; /* [regions], or NULL: no region has one */
+    const igi_lobe *lobes; /* [regions], or NULL: every side sends `total` in all directions */
 } igi_radiance_field;
 
 /* Adds what leaves `hit`, reached from `origin` along `direction`, back along the ray. Lamps add

@@ -1,170 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * For a roughness alpha the photographed radiance is linear in the rest: for pixel i of group g,
- *     L_i = rho_g E_i/pi + rho_s S_i(alpha) + B_i(alpha)          per band, B = 0 but for ggx.
- * The albedos rho_g are eliminated: with weighted sums <.,.> over a group and band, and
- * x_perp = x - E <x,E>/<E,E>,
- *     rho_s(alpha) = sum <y_perp, S_perp> / sum <S_perp, S_perp>,     y = L - B,
- *     chi^2(alpha) = sum <y_perp, y_perp> - rho_s sum <y_perp, S_perp>
- * (variable projection; Golub & Pereyra 1973). chi^2 over a grid of alphas finds the basin.
- *
- * S carries noise of its own from the choice of directions. Left alone it would draw rho_s toward
- * zero (errors in variables); its variance, known from halves, is taken out of <S_perp, S_perp>.
- *
- * Noise is taken as proportional to the *predicted* radiance: weights from the noisy radiance itself
- * would favour what came out dark by chance. Residuals beyond OUTLIER_SIGMAS lose weight (Huber),
- * generously, or the highlight itself would be cut.
+ * A search over a grid of roughnesses finds the basin, wherever it is; a second grid about it, then
+ * Ceres, find its bottom. Ceres works on a table of five roughnesses about the optimum, interpolated
+ * in ln alpha by Lagrange's polynomials, whose derivative is exact; the albedos are eliminated inside
+ * of each residual block (lobe_profile.c). One Newton step afterwards takes out the bias that the
+ * noise of S leaves, which least squares cannot express.
  */
 #include "recover/lobe_fit.h"
 
-#include <stdlib.h>
+#include "bridge/least_squares.h"
+#include "recover/lobe_profile.h"
+
 #include <string.h>
 
-#define ALPHA_LOW 0.01
-#define ALPHA_HIGH 0.5
-#define GRID 20
-#define OUTLIER_SIGMAS 4.0
-#define ROUNDS 5
-
-typedef struct fit {
-    const igi_highlights *h;
-    size_t bands, n;
-    float *weight;   /* [count][bands] */
-    double *sums;    /* [groups][bands][3]: <E,E>, <y,E>, <S,E> */
-    double *albedo;  /* [groups][bands] of the last evaluation */
-} fit;
-
-typedef struct outcome {
-    double specular, misfit;
-} outcome;
-
-typedef struct column {
-    const float *scale, *base, *noise; /* of pixel 0 at this alpha; NULL: no lobe */
-    size_t stride;             /* to the next pixel */
-} column;
-
-static column column_of(const fit *f, const igi_lobe_table *t, size_t a)
-{
-    return (column){t->scale + a * f->bands, t->base ? t->base + a * f->bands : NULL,
-                    t->noise + a * f->bands, t->alpha_count * f->bands};
-}
-
-static double light_of(const fit *f, size_t k)
-{
-    return (double)f->h->irradiance[k] / IGI_PI;
-}
-
-/* y = L - B and S of pixel i, band b. */
-static void terms(const fit *f, const column *c, size_t i, size_t b, double *y, double *s)
-{
-    *y = (double)f->h->radiance[i * f->bands + b];
-    *s = c->scale ? (double)c->scale[i * c->stride + b] : 0;
-    if (c->base) *y -= (double)c->base[i * c->stride + b];
-}
-
-static outcome evaluate(fit *f, const column *c)
-{
-    size_t bands = f->bands;
-    double yy = 0, ys = 0, ss = 0;
-    memset(f->sums, 0, f->h->groups * bands * 3 * sizeof *f->sums);
-    for (size_t i = 0; i < f->n; i++)
-        for (size_t b = 0; b < bands; b++) {
-            double y, s, w = (double)f->weight[i * bands + b], e = light_of(f, i * bands + b);
-            double *g = f->sums + (f->h->group[i] * bands + b) * 3;
-            terms(f, c, i, b, &y, &s);
-            yy += w * y * y;
-            ys += w * y * s;
-            ss += w * s * s;
-            if (c->noise) ss -= w * (double)c->noise[i * c->stride + b];
-            g[0] += w * e * e;
-            g[1] += w * y * e;
-            g[2] += w * s * e;
-        }
-    for (size_t k = 0; k < f->h->groups * bands; k++) {
-        const double *g = f->sums + 3 * k;
-        if (!(g[0] > 0)) continue;
-        yy -= g[1] * g[1] / g[0];
-        ys -= g[1] * g[2] / g[0];
-        ss -= g[2] * g[2] / g[0];
-    }
-    outcome o = {ss > 0 ? fmax(0, ys / ss) : 0, 0};
-    o.misfit = fmax(0, yy - 2 * o.specular * ys + o.specular * o.specular * ss);
-    for (size_t k = 0; k < f->h->groups * bands; k++) {
-        const double *g = f->sums + 3 * k;
-        f->albedo[k] = g[0] > 0 ? fmax(0, (g[1] - o.specular * g[2]) / g[0]) : 0;
-    }
-    return o;
-}
-
-static double prediction(const fit *f, const column *c, double specular, size_t i, size_t b)
-{
-    double y, s, e = light_of(f, i * f->bands + b);
-    terms(f, c, i, b, &y, &s);
-    double base = (double)f->h->radiance[i * f->bands + b] - y;
-    return f->albedo[f->h->group[i] * f->bands + b] * e + specular * s + base;
-}
-
-static int compare_floats(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_of(float *x, size_t n)
-{
-    if (n == 0) return 0;
-    qsort(x, n, sizeof *x, compare_floats);
-    return (double)x[n / 2];
-}
-
-/* Weights 1/(c prediction)^2, c the spread of relative residuals, and less for outliers. Returns c. */
-static double reweigh(fit *f, const column *c, double specular, bool robust, float *scratch)
-{
-    size_t n = f->n * f->bands;
-    double floor = 0;
-    for (size_t k = 0; k < n; k++) floor += (double)f->h->radiance[k] / (double)n;
-    floor *= 0.02; /* what is nearly black tells nothing more */
-    for (size_t i = 0; i < f->n; i++)
-        for (size_t b = 0; b < f->bands; b++) {
-            double p = prediction(f, c, specular, i, b);
-            double r = (double)f->h->radiance[i * f->bands + b] - p;
-            scratch[i * f->bands + b] = (float)fabs(r / (fabs(p) + floor));
-        }
-    memcpy(scratch + n, scratch, n * sizeof *scratch);
-    double noise = fmax(1e-4, 1.4826 * median_of(scratch + n, n));
-    for (size_t i = 0; i < f->n; i++)
-        for (size_t b = 0; b < f->bands; b++) {
-            size_t k = i * f->bands + b;
-            double p = fabs(prediction(f, c, specular, i, b)) + floor;
-            double sigmas = (double)scratch[k] / noise;
-            double huber = robust && sigmas > OUTLIER_SIGMAS ? OUTLIER_SIGMAS / sigmas : 1;
-            f->weight[k] = (float)(huber / (noise * noise * p * p));
-        }
-    return noise;
-}
-
-/* The alpha of least misfit on the table, and where a parabola through it and its neighbours has
- * its vertex. */
-static size_t best_column(fit *f, const igi_lobe_table *t, double *alpha, outcome *best)
-{
-    double misfit[GRID];
-    size_t at = 0;
-    for (size_t a = 0; a < t->alpha_count; a++) {
-        column c = column_of(f, t, a);
-        outcome o = evaluate(f, &c);
-        misfit[a] = o.misfit;
-        if (a == 0 || o.misfit < best->misfit) {
-            *best = o;
-            at = a;
-        }
-    }
-    *alpha = t->alphas[at];
-    if (at == 0 || at + 1 == t->alpha_count) return at;
-    double left = misfit[at - 1] - misfit[at], right = misfit[at + 1] - misfit[at];
-    double step = log(t->alphas[at + 1] / t->alphas[at]);
-    if (left + right > 0) *alpha *= exp(0.5 * step * (left - right) / (left + right));
-    return at;
-}
+#define GRID 13
+#define FINE 5
+#define FINE_RATIO 1.13
+#define ROUNDS 4
 
 static void spread_alphas(double low, double high, size_t count, double *alphas)
 {
@@ -172,63 +24,237 @@ static void spread_alphas(double low, double high, size_t count, double *alphas)
         alphas[a] = low * pow(high / low, (double)a / (double)(count - 1));
 }
 
-/* Profile on one table: alternates weights and search. */
-static igi_status search(igi_context *ctx, fit *f, igi_model model, const double *alphas,
-                         size_t count, igi_lobe_estimate *e)
+/* The column of least misfit. */
+static size_t best_column(igi_profile *f, const igi_lobe_table *t, igi_profile_outcome *best)
+{
+    size_t at = 0;
+    for (size_t a = 0; a < t->alpha_count; a++) {
+        igi_profile_column c = igi_profile_column_of(f, t, a);
+        igi_profile_outcome o = igi_profile_evaluate(f, &c);
+        if (a > 0 && o.misfit >= best->misfit) continue;
+        *best = o;
+        at = a;
+    }
+    return at;
+}
+
+/* Alternates between the best column and the weights that it asks for. Outliers are cut only once
+ * the lobe is there: before, the highlight itself is one. */
+static size_t settle(igi_profile *f, const igi_lobe_table *t, igi_lobe_estimate *e)
+{
+    size_t at = 0;
+    igi_profile_outcome best = {0, 0};
+    for (int round = 0; round < ROUNDS; round++) {
+        at = best_column(f, t, &best);
+        igi_profile_column c = igi_profile_column_of(f, t, at);
+        best = igi_profile_evaluate(f, &c);
+        e->deviance = igi_profile_reweigh(f, &c, best.specular, round > 0, &e->noise);
+    }
+    e->specular = best.specular;
+    e->alpha = (double)t->alphas[at];
+    return at;
+}
+
+typedef struct polish {
+    const igi_profile *f;
+    const igi_lobe_table *t;
+    size_t *begin; /* [groups + 1] pixels of a group */
+    double logs[FINE];
+} polish;
+
+/* Lagrange's weights at x = ln alpha, and their derivatives. */
+static void lagrange(const polish *p, double x, double weights[FINE], double slopes[FINE])
+{
+    for (int i = 0; i < FINE; i++) {
+        double value = 1, slope = 0, below = 1;
+        for (int j = 0; j < FINE; j++) {
+            if (j == i) continue;
+            slope = slope * (x - p->logs[j]) + value;
+            value *= x - p->logs[j];
+            below *= p->logs[i] - p->logs[j];
+        }
+        weights[i] = value / below;
+        slopes[i] = slope / below;
+    }
+}
+
+typedef struct mixture {
+    double value, slope;
+} mixture;
+
+static mixture mix(const polish *p, const float *table, size_t i, size_t b, const double *weights,
+                   const double *slopes)
+{
+    mixture m = {0, 0};
+    if (!table) return m;
+    const float *at = table + i * p->t->alpha_count * p->f->bands + b;
+    for (int a = 0; a < FINE; a++) {
+        m.value += weights[a] * (double)at[(size_t)a * p->f->bands];
+        m.slope += slopes[a] * (double)at[(size_t)a * p->f->bands];
+    }
+    return m;
+}
+
+/* Residuals of one group: sqrt(w) (y - rho_s S)_perp over its pixels and bands; parameters rho_s and
+ * ln alpha. */
+static bool group_residuals(void *user, size_t group, const double *parameters, double *residuals,
+                            double *jacobian)
+{
+    const polish *p = user;
+    const igi_profile *f = p->f;
+    double weights[FINE], slopes[FINE], rho = parameters[0];
+    lagrange(p, parameters[1], weights, slopes);
+    size_t first = p->begin[group], last = p->begin[group + 1];
+    for (size_t b = 0; b < f->bands; b++) {
+        double ee = 0, re = 0, se = 0, de = 0;
+        for (size_t i = first; i < last; i++) {
+            size_t k = i * f->bands + b, at = (i - first) * f->bands + b;
+            double w = sqrt((double)f->weight[k]), e = w * (double)f->h->irradiance[k] / IGI_PI;
+            mixture s = mix(p, p->t->scale, i, b, weights, slopes);
+            mixture base = mix(p, p->t->base, i, b, weights, slopes);
+            double r = w * ((double)f->h->radiance[k] - base.value - rho * s.value);
+            double d = -w * (rho * s.slope + base.slope);
+            residuals[at] = r;
+            ee += e * e;
+            re += r * e;
+            se -= w * s.value * e;
+            de += d * e;
+            if (!jacobian) continue;
+            jacobian[2 * at] = -w * s.value;
+            jacobian[2 * at + 1] = d;
+        }
+        for (size_t i = first; i < last && ee > 0; i++) {
+            size_t k = i * f->bands + b, at = (i - first) * f->bands + b;
+            double e = sqrt((double)f->weight[k]) * (double)f->h->irradiance[k] / IGI_PI / ee;
+            residuals[at] -= e * re;
+            if (!jacobian) continue;
+            jacobian[2 * at] -= e * se;
+            jacobian[2 * at + 1] -= e * de;
+        }
+    }
+    return true;
+}
+
+/* The variance of S in all, sum w noise, and its derivative. */
+static mixture noise_of(const polish *p, double log_alpha)
+{
+    double weights[FINE], slopes[FINE];
+    mixture sum = {0, 0};
+    lagrange(p, log_alpha, weights, slopes);
+    for (size_t i = 0; i < p->f->n; i++)
+        for (size_t b = 0; b < p->f->bands; b++) {
+            mixture m = mix(p, p->t->noise, i, b, weights, slopes);
+            double w = (double)p->f->weight[i * p->f->bands + b];
+            sum.value += w * m.value;
+            sum.slope += w * m.slope;
+        }
+    return sum;
+}
+
+/* One Newton step from the minimum of chi^2/2 to that of chi^2/2 - rho^2 V(alpha)/2. */
+static void take_out_bias(const polish *p, const double *covariance, double variance, double x[2])
+{
+    mixture v = noise_of(p, x[1]);
+    double det = covariance[0] * covariance[3] - covariance[1] * covariance[1];
+    if (!(det > 0) || !isfinite(det) || !(variance > 0)) return;
+    double h00 = variance * covariance[3] / det - v.value;
+    double h01 = -variance * covariance[1] / det - x[0] * v.slope;
+    double h11 = variance * covariance[0] / det;
+    double g0 = x[0] * v.value, g1 = 0.5 * x[0] * x[0] * v.slope;
+    det = h00 * h11 - h01 * h01;
+    if (!(h00 > 0) || !(det > 0)) return;
+    x[0] += (h11 * g0 - h01 * g1) / det;
+    x[1] += fmax(-0.2, fmin(0.2, (h00 * g1 - h01 * g0) / det));
+}
+
+static igi_status find_groups(igi_context *ctx, const igi_highlights *h, size_t bands,
+                              size_t **begin, int **sizes)
+{
+    IGI_TRY(IGI_ALLOC(ctx, h->groups + 1, begin));
+    IGI_TRY(IGI_ALLOC(ctx, h->groups + 1, sizes));
+    for (size_t i = 0; i < h->count; i++) (*begin)[h->group[i] + 1] = i + 1;
+    for (size_t g = 0; g < h->groups; g++) (*sizes)[g] = (int)(((*begin)[g + 1] - (*begin)[g]) * bands);
+    return IGI_OK;
+}
+
+static igi_status polish_with_ceres(igi_context *ctx, const igi_profile *f, const igi_lobe_table *t,
+                                    igi_lobe_estimate *e)
+{
+    igi_status status = IGI_OK;
+    polish p = {.f = f, .t = t};
+    int *sizes = NULL;
+    double x[2] = {e->specular, log(e->alpha)}, covariance[4];
+    igi_least_squares_result result;
+    for (int a = 0; a < FINE; a++) p.logs[a] = log((double)t->alphas[a]);
+    IGI_TRY_GOTO(find_groups(ctx, f->h, f->bands, &p.begin, &sizes));
+    double lower[2] = {0, p.logs[0]}, upper[2] = {1e3, p.logs[FINE - 1]};
+    igi_least_squares problem = {.parameter_count = 2, .block_count = f->h->groups,
+                                 .block_sizes = sizes, .residuals = group_residuals, .user = &p,
+                                 .lower = lower, .upper = upper, .max_iterations = 30};
+    IGI_TRY_GOTO(igi_least_squares_solve(ctx, &problem, x, covariance, &result));
+    if (result.rank == 2 && x[0] > 0) take_out_bias(&p, covariance, result.residual_variance, x);
+    e->specular = fmax(0, x[0]);
+    e->alpha = exp(x[1]);
+    e->specular_std = sqrt(covariance[0]);
+    e->alpha_std = e->alpha * sqrt(covariance[3]);
+cleanup:
+    igi_free(p.begin);
+    igi_free(sizes);
+    return status;
+}
+
+/* A fine table about e->alpha, shifted until the best lies inside of it. */
+static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model, igi_lobe_estimate *e)
 {
     igi_status status = IGI_OK;
     igi_lobe_table table = {.model = model};
-    float *scratch = NULL;
-    outcome best = {0, 0};
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * f->n * f->bands, &scratch));
-    IGI_TRY_GOTO(igi_lobe_table_create(ctx, f->h, model, alphas, count, &table));
-    for (int round = 0; round < ROUNDS; round++) {
-        size_t at = best_column(f, &table, &e->alpha, &best);
-        column c = column_of(f, &table, at);
-        best = evaluate(f, &c);
-        e->specular = best.specular;
-        e->noise = reweigh(f, &c, best.specular, round > 1, scratch);
+    double alphas[FINE], reach = pow(FINE_RATIO, FINE / 2);
+    for (int attempt = 0; attempt < 4; attempt++) {
+        igi_lobe_table_clear(&table);
+        double centre = fmax(IGI_FIT_ALPHA_LOW, fmin(IGI_FIT_ALPHA_HIGH, e->alpha));
+        spread_alphas(centre / reach, centre * reach, FINE, alphas);
+        IGI_TRY_GOTO(igi_lobe_table_create(ctx, f->h, model, alphas, FINE, &table));
+        size_t at = settle(f, &table, e);
+        e->at_bound = e->alpha <= IGI_FIT_ALPHA_LOW || e->alpha >= IGI_FIT_ALPHA_HIGH;
+        if (e->at_bound || (at > 0 && at + 1 < FINE)) break;
     }
-    /* with the weights of the best model, so that both are judged by one measure */
-    size_t at = best_column(f, &table, &e->alpha, &best);
-    column none = {NULL, NULL, NULL, 0}, c = column_of(f, &table, at);
-    e->plain_misfit = evaluate(f, &none).misfit;
-    e->misfit = evaluate(f, &c).misfit;
-    e->specular = best.specular;
+    for (size_t b = 0; b < f->bands; b++) e->albedo[b] = f->albedo[b];
+    if (e->specular > 0) IGI_TRY_GOTO(polish_with_ceres(ctx, f, &table, e));
 cleanup:
-    igi_free(scratch);
     igi_lobe_table_clear(&table);
     return status;
 }
 
+static igi_status fit_coarsely(igi_context *ctx, igi_profile *f, igi_model model,
+                               igi_lobe_estimate *e)
+{
+    double alphas[GRID];
+    igi_lobe_table table;
+    spread_alphas(IGI_FIT_ALPHA_LOW, IGI_FIT_ALPHA_HIGH, GRID, alphas);
+    IGI_TRY(igi_lobe_table_create(ctx, f->h, model, alphas, GRID, &table));
+    (void)settle(f, &table, e);
+    igi_lobe_table_clear(&table);
+    return IGI_OK;
+}
+
 igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_model model,
-                        igi_lobe_estimate *estimate)
+                        double near_alpha, igi_lobe_estimate *estimate)
 {
     igi_status status = IGI_OK;
-    double alphas[GRID];
-    size_t bands = (size_t)highlights->bands, n = highlights->count;
-    fit f = {.h = highlights, .bands = bands, .n = n};
-    *estimate = (igi_lobe_estimate){.model = model};
-    estimate->residuals = (double)(n * bands) - (double)(highlights->groups * bands) - 2;
+    igi_profile f;
+    size_t unknowns = highlights->groups * (size_t)highlights->bands + 2;
+    *estimate = (igi_lobe_estimate){.model = model, .alpha = near_alpha, .at_bound = true};
+    estimate->residuals = (double)(highlights->count * (size_t)highlights->bands) - (double)unknowns;
     if (estimate->residuals < 10) return IGI_OK;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &f.weight));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands * 3, &f.sums));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands, &f.albedo));
-    for (size_t k = 0; k < n * bands; k++) f.weight[k] = 1;
-    column none = {NULL, NULL, NULL, 0};
-    (void)evaluate(&f, &none);
-    float *scratch;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * n * bands, &scratch));
-    (void)reweigh(&f, &none, 0, false, scratch);
-    igi_free(scratch);
-    spread_alphas(ALPHA_LOW, ALPHA_HIGH, GRID, alphas);
-    IGI_TRY_GOTO(search(ctx, &f, model, alphas, GRID, estimate));
-    double width = pow(ALPHA_HIGH / ALPHA_LOW, 1.0 / (GRID - 1));
-    spread_alphas(estimate->alpha / width, estimate->alpha * width, 9, alphas);
-    IGI_TRY_GOTO(search(ctx, &f, model, alphas, 9, estimate));
+    IGI_TRY(igi_profile_create(ctx, highlights, &f));
+    igi_profile_column none = {NULL, NULL, NULL, 0};
+    for (int round = 0; round < 2; round++) {
+        (void)igi_profile_evaluate(&f, &none);
+        estimate->plain_deviance = igi_profile_reweigh(&f, &none, 0, false, &estimate->noise);
+    }
+    if (!(near_alpha > 0)) IGI_TRY_GOTO(fit_coarsely(ctx, &f, model, estimate));
+    IGI_TRY_GOTO(fit_finely(ctx, &f, model, estimate));
 cleanup:
-    igi_free(f.weight);
-    igi_free(f.sums);
-    igi_free(f.albedo);
+    igi_profile_clear(&f);
     return status;
 }

@@ -20,15 +20,14 @@ static void add_directions(const igi_highlights *h, const igi_lobe_table *t, siz
         size_t at = i * (size_t)h->samples + (size_t)m;
         const igi_direction_sample *d = &h->directions[at];
         if (!(d->weight > 0)) continue;
-        for (size_t a = 0; a < t->alpha_count; a++) {
-            float s, b0;
-            igi_lobe_terms(t->model, (float)t->alphas[a], d->in, d->out, &s, &b0);
+        float s[IGI_TABLE_ALPHAS], b0[IGI_TABLE_ALPHAS], light[IGI_MAX_BANDS];
+        igi_lobe_terms_over(t->model, t->alphas, t->alpha_count, d->in, d->out, s, b0);
+        for (size_t b = 0; b < bands; b++) light[b] = d->weight * h->incident[at * bands + b];
+        for (size_t a = 0; a < t->alpha_count; a++)
             for (size_t b = 0; b < bands; b++) {
-                float light = d->weight * h->incident[at * bands + b];
-                scale[a * bands + b] += s * light;
-                if (base) base[a * bands + b] += b0 * light;
+                scale[a * bands + b] += s[a] * light[b];
+                if (base) base[a * bands + b] += b0[a] * light[b];
             }
-        }
     }
 }
 

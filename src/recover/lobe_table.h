@@ -7,13 +7,15 @@
 
 #include "recover/highlights.h"
 
+#define IGI_TABLE_ALPHAS 20 /* at most */
+
 /* The specular radiance of pixel i at roughness alphas[a] is rho_s scale[i][a] + base[i][a], per
  * band: scale[count][alpha_count][bands]; base is NULL but for ggx. noise is the variance of scale
  * that the choice of directions leaves: (A - B)^2 for halves A + B = scale. */
 typedef struct igi_lobe_table {
     igi_model model;
     size_t alpha_count;
-    const double *alphas; /* the caller's, rising */
+    float alphas[IGI_TABLE_ALPHAS]; /* rising */
     float *scale, *base, *noise;
 } igi_lobe_table;
 
