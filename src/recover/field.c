@@ -41,6 +41,8 @@ static igi_status prepare(igi_context *ctx, igi_field *f, const igi_diffuse *dif
         f->normals[i] = mean_normal(f->problem, r->side[i]);
         if (!diffuse->ignores_indirect)
             igi_row_indirect(r, i, diffuse->radiance, (int)f->bands, f->indirect + i * f->bands);
+        for (size_t b = 0; diffuse->received && b < f->bands; b++)
+            f->indirect[i * f->bands + b] += diffuse->received[i * f->bands + b];
     }
     return igi_row_grid_create(ctx, r, f->radius, &f->grid);
 }

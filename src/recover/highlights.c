@@ -233,11 +233,14 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
 {
     const job *j = s->j;
     const igi_problem *p = j->field->problem;
+    int half = j->options.lobe_samples / 2;
+    float start[2][4]; /* each half has a pattern of its own: their difference tells the noise */
+    for (int k = 0; k < 8; k++) start[k / 4][k % 4] = igi_rng_float(rng);
     for (int m = 0; m < j->options.lobe_samples; m++) {
         igi_direction_sample *d = &s->directions[m];
         float x[4];
         igi_vec point, out;
-        pattern_at(s->start, m, x);
+        pattern_at(start[m / half], m % half, x);
         footprint_place(&s->v, x[2], x[3], &point, &out);
         d->out = igi_to_local(out, s->v.normal);
         if (d->out.z <= 0) continue;

@@ -64,7 +64,8 @@ igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlig
                                  const double *alphas, size_t alpha_count, igi_lobe_table *table)
 {
     size_t size = highlights->count * alpha_count * (size_t)highlights->bands;
-    *table = (igi_lobe_table){.model = model, .alpha_count = alpha_count, .alphas = alphas};
+    *table = (igi_lobe_table){.model = model, .alpha_count = alpha_count};
+    for (size_t a = 0; a < alpha_count; a++) table->alphas[a] = (float)alphas[a];
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->scale));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->noise));
