@@ -17,6 +17,10 @@
 #define FINE 5
 #define FINE_RATIO 1.13
 #define ROUNDS 4
+/* Errors of the irradiance are alike over pieces of a region: they do not average out like noise.
+ * Their relative size, and how many pieces a region has, widen the standard deviations. */
+#define FIELD_ERROR 0.008
+#define FIELD_PIECES 40
 
 static void spread_alphas(double low, double high, size_t count, double *alphas)
 {
@@ -49,6 +53,7 @@ static size_t settle(igi_profile *f, const igi_lobe_table *t, igi_lobe_estimate 
         igi_profile_column c = igi_profile_column_of(f, t, at);
         best = igi_profile_evaluate(f, &c);
         e->deviance = igi_profile_reweigh(f, &c, best.specular, round > 0, &e->noise);
+        e->deviance -= best.specular * best.specular * igi_profile_noise(f, &c);
     }
     e->specular = best.specular;
     e->alpha = (double)t->alphas[at];
@@ -195,8 +200,9 @@ static igi_status polish_with_ceres(igi_context *ctx, const igi_profile *f, cons
     if (result.rank == 2 && x[0] > 0) take_out_bias(&p, covariance, result.residual_variance, x);
     e->specular = fmax(0, x[0]);
     e->alpha = exp(x[1]);
-    e->specular_std = sqrt(covariance[0]);
-    e->alpha_std = e->alpha * sqrt(covariance[3]);
+    double widen = sqrt(1 + pow(FIELD_ERROR / e->noise, 2) * (double)f->n / FIELD_PIECES);
+    e->specular_std = widen * sqrt(covariance[0]);
+    e->alpha_std = widen * e->alpha * sqrt(covariance[3]);
 cleanup:
     igi_free(p.begin);
     igi_free(sizes);

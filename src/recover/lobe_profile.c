@@ -107,6 +107,16 @@ igi_profile_outcome igi_profile_evaluate(igi_profile *profile, const igi_profile
     return o;
 }
 
+double igi_profile_noise(const igi_profile *profile, const igi_profile_column *column)
+{
+    double sum = 0;
+    for (size_t i = 0; column->noise && i < profile->n; i++)
+        for (size_t b = 0; b < profile->bands; b++)
+            sum += (double)profile->weight[i * profile->bands + b] *
+                   (double)column->noise[i * column->stride + b];
+    return sum;
+}
+
 static double prediction(const igi_profile *f, const igi_profile_column *c, double specular,
                          size_t i, size_t b)
 {

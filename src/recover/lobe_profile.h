@@ -36,6 +36,9 @@ igi_profile_column igi_profile_column_of(const igi_profile *profile, const igi_l
 /* Best specular coefficient (>= 0), albedos and weighted squared misfit. */
 igi_profile_outcome igi_profile_evaluate(igi_profile *profile, const igi_profile_column *column);
 
+/* sum w noise: what the choice of directions adds to the misfit for a specular coefficient of 1. */
+double igi_profile_noise(const igi_profile *profile, const igi_profile_column *column);
+
 /* Weights from the predictions of the last evaluation; robust: outliers weigh less. *noise is the
  * spread of relative residuals. Returns -2 ln likelihood. */
 double igi_profile_reweigh(igi_profile *profile, const igi_profile_column *column, double specular,

@@ -18,7 +18,7 @@
 #define MIN_GAIN 20
 #define MIN_SHARE 0.03
 #define MIN_SIGMAS 4
-#define SEEN_SAMPLES 16     /* photographs' pixels of a side whose lobe is taken out */
+#define SEEN_SAMPLES 60000 /* photographs' pixels of a region whose lobe is taken out, about */
 #define RECEIVED_SAMPLES 24 /* rays of a row that look for lobes */
 
 typedef struct job {
@@ -27,6 +27,7 @@ typedef struct job {
     const igi_rows *rows;
     const igi_lobe *lobes;
     igi_correction *correction;
+    const size_t *sides; /* [regions] seen sides */
     uint64_t round;
 } job;
 
@@ -44,8 +45,10 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
     size_t n = igi_problem_seen_count(p, side), bands = (size_t)p->bands;
     float sum[IGI_MAX_BANDS] = {0};
     uint64_t rays = 0;
-    for (int k = 0; k < SEEN_SAMPLES; k++) {
-        size_t at = (size_t)(((double)k + (double)igi_rng_float(rng)) / SEEN_SAMPLES * (double)n);
+    int samples = (int)(SEEN_SAMPLES / j->sides[igi_patch_region(p->patches, side >> 1)]);
+    samples = samples < 12 ? 12 : samples > 64 ? 64 : samples;
+    for (int k = 0; k < samples; k++) {
+        size_t at = (size_t)(((double)k + (double)igi_rng_float(rng)) / samples * (double)n);
         size_t i = p->order[p->site_begin[side] + at];
         uint32_t triangle = igi_surface_triangle(o->surface[i]);
         igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, o->uv[2 * i], o->uv[2 * i + 1]);
@@ -56,7 +59,7 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
                                             igi_normalize(igi_sub(eye, point)), rng, sum);
     }
     for (size_t b = 0; b < bands; b++)
-        j->correction->seen[side * bands + b] = sum[b] / (float)SEEN_SAMPLES;
+        j->correction->seen[side * bands + b] = sum[b] / (float)samples;
     return rays;
 }
 
@@ -136,7 +139,7 @@ static bool is_per_point(const igi_problem *p, size_t region)
     return p->scene->regions[region].textured == IGI_YES;
 }
 
-/* The lobe of one model that explains the region's highlights best. */
+/* The best of the given models on one choice of highlights. */
 static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
                              igi_highlight_options options, const igi_model *models, size_t count)
 {
@@ -144,15 +147,17 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
     igi_highlights *h = NULL;
     igi_status status = IGI_OK;
     igi_lobe_estimate *best = &s->specular->estimates[region], found;
-    double near_ward = best->model == IGI_LAMBERT ? 0 : best->alpha;
+    igi_model before = best->model;
+    double near_alpha = best->alpha;
     irradiance_source source = {p, s->irradiance};
     options.per_point = is_per_point(p, region);
     IGI_TRY_GOTO(igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options,
                                        irradiance_at, &source, &h));
     for (size_t i = 0; i < count; i++) {
+        double start = before == IGI_LAMBERT ? 0 : near_alpha;
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
-        double near_alpha = models[i] == IGI_PHONG ? fmin(0.45, 2 * near_ward) : near_ward;
-        IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], near_alpha, &found));
+        if (before == IGI_WARD && models[i] == IGI_PHONG) start = fmin(0.45, 2 * near_alpha);
+        IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], start, &found));
         if (getenv("VV"))
             printf("%-14s n %zu g %zu %s rs %.4f+-%.4f a %.4f+-%.4f noise %.3f dev %.1f plain %.1f gain/n %.4f %s rho %.4f %.4f %.4f\n",
                    p->scene->regions[region].name, h->count, h->groups, igi_model_name(found.model), found.specular, found.specular_std,
@@ -199,18 +204,22 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
     return IGI_OK;
 }
 
-/* Then, where one was found, with directions about it, more pixels, and every model. */
+/* Then, where one was found, with directions about it: first which model, then how much of it. */
 static igi_status refine_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    const igi_model models[3] = {IGI_WARD, IGI_GGX, IGI_PHONG};
+    const igi_model all[3] = {IGI_WARD, IGI_GGX, IGI_PHONG};
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         float a = s->specular->lobes[r].alpha;
-        igi_highlight_options options = {.pixels = 5000, .lobe_samples = 64, .lamp_samples = 96,
+        igi_highlight_options options = {.pixels = 1200, .lobe_samples = 96, .lamp_samples = 96,
                                          .lamp_tests = 8,
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
-        IGI_TRY(fit_region(ctx, s, r, options, models, 3));
+        IGI_TRY(fit_region(ctx, s, r, options, all, 3));
+        const igi_model chosen = s->specular->estimates[r].model;
+        options.pixels = 4000;
+        options.lobe_samples = 64;
+        IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
@@ -229,11 +238,18 @@ static igi_status correct(igi_context *ctx, const igi_radiance_field *field, igi
                           igi_specular *s, uint64_t round)
 {
     const igi_problem *p = field->problem;
-    job j = {p, field, diffuse->rows, s->lobes, &s->correction, round};
-    size_t tasks = (diffuse->rows->count + SIDES_A_TASK - 1) / SIDES_A_TASK;
+    igi_status status = IGI_OK;
+    size_t *sides = NULL, count = diffuse->rows->count;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->region_count, &sides));
+    for (size_t i = 0; i < diffuse->rows->seen_count; i++)
+        sides[igi_patch_region(p->patches, diffuse->rows->side[i] >> 1)]++;
+    job j = {p, field, diffuse->rows, s->lobes, &s->correction, sides, round};
     memset(s->correction.seen, 0, 2 * p->patches->count * (size_t)p->bands * sizeof(float));
-    IGI_TRY(igi_parallel_for(ctx, tasks, correct_rows, &j));
-    return igi_patches_solve(ctx, p, &s->correction, diffuse);
+    IGI_TRY_GOTO(igi_parallel_for(ctx, (count + SIDES_A_TASK - 1) / SIDES_A_TASK, correct_rows, &j));
+    IGI_TRY_GOTO(igi_patches_solve(ctx, p, &s->correction, diffuse));
+cleanup:
+    igi_free(sides);
+    return status;
 }
 
 static void set_total(const igi_problem *p, const igi_diffuse *d, const igi_correction *c, float *total)
