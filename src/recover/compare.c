@@ -3,6 +3,7 @@
 
 #include "base/parallel.h"
 #include "observe/visible.h"
+#include "recover/lobe_view.h"
 #include "scene/camera.h"
 
 #include <string.h>
@@ -16,7 +17,8 @@ typedef struct job {
     igi_recovery *recovery;
 } job;
 
-static void predict(const job *j, const igi_hit *hit, igi_vec direction, float *radiance)
+static void predict(const job *j, const igi_hit *hit, igi_vec eye, igi_vec direction,
+                    float *radiance)
 {
     const igi_problem *p = j->problem;
     float irradiance[IGI_MAX_BANDS], albedo[IGI_MAX_BANDS], x, y;
@@ -38,6 +40,8 @@ static void predict(const job *j, const igi_hit *hit, igi_vec direction, float *
     }
     igi_field_irradiance(j->field, igi_surface_of(hit), hit->u, hit->v, irradiance);
     for (int b = 0; b < p->bands; b++) radiance[b] = albedo[b] / IGI_PIF * irradiance[b];
+    if (p->lobes)
+        igi_lobe_view_radiance(p->lobes, p, igi_surface_of(hit), hit->u, hit->v, eye, radiance);
 }
 
 static igi_status take_photograph(igi_context *ctx, const igi_frame *frame, int bands,
@@ -72,7 +76,7 @@ static igi_status compare_frame(igi_context *ctx, void *user, size_t index, int 
         for (int x = 0; x < c->photo->width; x++, radiance += p->bands) {
             igi_vec direction = igi_camera_direction(&frame->camera, x + 0.5, y + 0.5);
             igi_hit hit = igi_trace(p->tracer, centre, direction);
-            predict(j, &hit, direction, radiance);
+            predict(j, &hit, centre, direction, radiance);
         }
     igi_count_rays(ctx, (uint64_t)c->photo->width * (uint64_t)c->photo->height);
     return IGI_OK;

@@ -43,7 +43,7 @@ static void add_lamp(const igi_problem *p, const igi_lobe *lobe, size_t light, i
 
 /* What the lobe's own sample meets: a lamp, or a surface as the cameras saw it. */
 static void add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, igi_vec point,
-                         igi_vec normal, igi_vec out, igi_rng *rng, float *radiance)
+                         igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces)
 {
     const igi_problem *p = f->problem;
     float u = igi_rng_float(rng), v = igi_rng_float(rng);
@@ -52,8 +52,9 @@ static void add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, igi_
     if (in.z <= 0 || !(pdf > 0)) return;
     igi_vec direction = igi_to_world(in, normal);
     igi_hit hit = igi_trace(p->tracer, point, direction);
-    float met[IGI_MAX_BANDS] = {0}, weight = in.z / pdf;
+    float met[IGI_MAX_BANDS] = {0}, weight = in.z / pdf, *sum = surfaces;
     if (hit.triangle == IGI_NO_HIT || is_lamp(p, hit.triangle)) {
+        sum = lamps;
         igi_lighting_add_emitted(p->lighting, direction, &hit, met);
         int light = hit.triangle == IGI_NO_HIT ? -1 : igi_lighting_of_triangle(p->lighting, hit.triangle);
         if (light >= 0)
@@ -62,18 +63,18 @@ static void add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, igi_
         const float *total = side_radiance(p, f->total, &hit);
         for (int b = 0; b < p->bands; b++) met[b] = total[b];
     }
-    for (int b = 0; b < p->bands; b++) radiance[b] += lobe_value(lobe, b, in, out) * weight * met[b];
+    for (int b = 0; b < p->bands; b++) sum[b] += lobe_value(lobe, b, in, out) * weight * met[b];
 }
 
 int igi_lobe_radiance(const igi_radiance_field *field, const igi_lobe *lobe, igi_vec point,
-                      igi_vec normal, igi_vec out, igi_rng *rng, float *radiance)
+                      igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces)
 {
     igi_vec local_out = igi_to_local(out, normal);
     if (local_out.z <= 0) return 0;
     size_t lights = igi_lighting_count(field->problem->lighting);
     for (size_t l = 0; l < lights; l++)
-        add_lamp(field->problem, lobe, l, point, normal, local_out, rng, radiance);
-    add_lobe_ray(field, lobe, point, normal, local_out, rng, radiance);
+        add_lamp(field->problem, lobe, l, point, normal, local_out, rng, lamps);
+    add_lobe_ray(field, lobe, point, normal, local_out, rng, lamps, surfaces);
     return (int)lights + 1;
 }
 
@@ -90,5 +91,6 @@ int igi_radiance_toward(const igi_radiance_field *field, igi_vec origin, igi_vec
     igi_vec normal = igi_tracer_normal(p->tracer, hit->triangle);
     if (hit->back) normal = igi_scale(normal, -1);
     igi_vec point = igi_madd(origin, direction, hit->distance);
-    return igi_lobe_radiance(field, lobe, point, normal, igi_scale(direction, -1), rng, radiance);
+    return igi_lobe_radiance(field, lobe, point, normal, igi_scale(direction, -1), rng, radiance,
+                             radiance);
 }

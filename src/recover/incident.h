@@ -30,10 +30,11 @@ typedef struct igi_radiance_field {
 int igi_radiance_toward(const igi_radiance_field *field, igi_vec origin, igi_vec direction,
                         const igi_hit *hit, igi_rng *rng, float *radiance);
 
-/* One estimate of the lobe's radiance at `point` toward the unit vector `out`: rho_s times the
- * incident light through the lobe, per band, added to radiance. Returns the rays it cost. */
+/* One estimate of the lobe's radiance at `point` toward the unit vector `out`, per band, added to
+ * `lamps` and to `surfaces` by where the light came from (they may be the same). Returns the rays it
+ * cost. */
 int igi_lobe_radiance(const igi_radiance_field *field, const igi_lobe *lobe, igi_vec point,
-                      igi_vec normal, igi_vec out, igi_rng *rng, float *radiance);
+                      igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces);
 
 /* Coordinates of a direction in the frame whose z is the normal. */
 static inline igi_vec igi_to_local(igi_vec d, igi_vec normal)

@@ -10,6 +10,7 @@
  */
 #include "recover/maps_private.h"
 
+#include "recover/lobe_view.h"
 #include "scene/camera.h"
 
 /* The pixels of a texel count as much as the region's when they are this many. */
@@ -19,6 +20,8 @@
  * with known textures). */
 #define BLUR 0.4f
 #define DARK_SHARE 0.02
+/* A pixel that is half highlight counts for a fifth. */
+#define HIGHLIGHT_PENALTY 16
 
 igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, igi_texels *texels)
 {
@@ -120,6 +123,27 @@ static float texel_side(const igi_layout *layout, uint32_t triangle, int size)
                     : 0;
 }
 
+/* The photographed radiance without the region's lobe; returns how far to trust the rest: what a
+ * highlight leaves is a difference of large numbers. */
+static float without_lobe(const igi_problem *problem, size_t observation, size_t frame,
+                          float *radiance)
+{
+    const igi_observations *o = problem->observations;
+    size_t bands = (size_t)o->bands;
+    float lobe[IGI_MAX_BANDS] = {0}, all = 0, part = 0;
+    if (problem->lobes)
+        igi_lobe_view_radiance(problem->lobes, problem, o->surface[observation],
+                               o->uv[2 * observation], o->uv[2 * observation + 1],
+                               igi_camera_centre(&problem->scene->frames[frame].camera), lobe);
+    for (size_t b = 0; b < bands; b++) {
+        radiance[b] = o->radiance[observation * bands + b] - lobe[b];
+        all += o->radiance[observation * bands + b];
+        part += lobe[b];
+    }
+    float share = all > 0 ? part / all : 0;
+    return 1 / (1 + HIGHLIGHT_PENALTY * share * share);
+}
+
 void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
                            const igi_layout *layout, const igi_region_sides *sides, uint32_t region)
 {
@@ -140,8 +164,10 @@ void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const
             float share = texel / fmaxf(igi_footprint(problem, frame, o->surface[i], u, v), 1e-9f);
             igi_field_irradiance(field, o->surface[i], u, v, irradiance);
             igi_layout_place(layout, triangle, u, v, texels->size, &x, &y);
-            sample s = make_sample(texels, o->radiance + i * (size_t)o->bands, irradiance, std);
-            splat(texels, x, y, fminf(1, share * share), &s);
+            float weight = fminf(1, share * share), radiance[IGI_MAX_BANDS];
+            weight *= without_lobe(problem, i, frame, radiance);
+            sample s = make_sample(texels, radiance, irradiance, std);
+            splat(texels, x, y, weight, &s);
         }
     }
 }
@@ -154,7 +180,11 @@ void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, cons
     for (size_t k = sides->begin[region]; k < sides->begin[region + 1]; k++) {
         uint32_t side = sides->sides[k];
         float irradiance[IGI_MAX_BANDS];
-        const float *radiance = problem->seen + side * (size_t)problem->bands;
+        float radiance[IGI_MAX_BANDS];
+        for (size_t b = 0; b < (size_t)problem->bands; b++) {
+            size_t at = side * (size_t)problem->bands + b;
+            radiance[b] = problem->seen[at] - (problem->lobes ? problem->lobes->seen[at] : 0);
+        }
         if (!igi_field_of_side(field, side, irradiance)) continue;
         sample s = make_sample(texels, radiance, irradiance, igi_field_std(field, side));
         size_t begin = problem->site_begin[side], sites = igi_problem_seen_count(problem, side);

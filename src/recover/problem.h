@@ -11,6 +11,8 @@
 #include <igi/recover.h>
 
 /* The photographs on the patches: what was seen of each side of each patch. */
+struct igi_lobe_view; /* recover/lobe_view.h */
+
 typedef struct igi_problem {
     const igi_scene *scene;
     const igi_tracer *tracer;
@@ -25,6 +27,7 @@ typedef struct igi_problem {
     size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */
     uint32_t *order;    /* [observations] */
     float *seen;        /* [2 patches][bands] mean radiance seen of a side; 0 where nothing was */
+    const struct igi_lobe_view *lobes; /* what was found of lobes, or NULL; the caller's */
     float *seen_var;    /* [2 patches] variance of that mean, average of the bands */
 } igi_problem;
 
@@ -45,7 +48,8 @@ static inline size_t igi_problem_seen_count(const igi_problem *p, uint32_t side)
 
 /* What lobes add to diffuse transport, to be taken out of it: see recover/specular.h. */
 typedef struct igi_correction {
-    float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side */
+    float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side, */
+    float *surfaces; /* [2 patches][bands] and of that the part that came from no lamp */
     float *received; /* [rows][bands] irradiance that lobes send beyond the diffuse part */
 } igi_correction;
 

@@ -6,7 +6,6 @@
 #include "recover/methods.h"
 #include "recover/specular.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Patches are this share of the scene's diagonal: 1-2 % of the room's side (method of choice, by
@@ -36,7 +35,7 @@ bool igi_method_from_name(const char *name, igi_method *method)
 
 void igi_recover_options_init(igi_recover_options *options)
 {
-    *options = (igi_recover_options){.struct_size = sizeof *options};
+    *options = (igi_recover_options){.struct_size = sizeof *options, .model = IGI_ANY_MODEL};
 }
 
 static igi_method_fn method_function(igi_method method)
@@ -113,8 +112,19 @@ static igi_status make_material(igi_context *ctx, const igi_problem *p, const ig
     return add_warning(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
+static void set_lobe(const igi_lobe_estimate *e, int bands, igi_material *m)
+{
+    if (m->emitter || e->model == IGI_LAMBERT) return;
+    m->model = e->model;
+    m->specular = e->specular;
+    m->specular_std = e->specular_std;
+    m->alpha = e->alpha;
+    m->alpha_std = e->alpha_std;
+    for (int b = 0; b < bands; b++) m->specular_rgb[b] = e->specular;
+}
+
 static igi_status make_materials(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
-                                 igi_materials **materials)
+                                 const igi_specular *s, igi_materials **materials)
 {
     igi_status status = IGI_OK;
     igi_materials *m = NULL;
@@ -125,6 +135,7 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
     m->count = p->scene->region_count;
     for (size_t r = 0; r < m->count; r++)
         IGI_TRY_GOTO(make_material(ctx, p, d, r, &m->materials[r]));
+    for (size_t r = 0; s && r < m->count; r++) set_lobe(&s->estimates[r], p->bands, &m->materials[r]);
     IGI_TRY_GOTO(measure_coverage(ctx, p, m));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->lights));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->light_std));
@@ -190,9 +201,13 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, &o, &problem));
     IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
     IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
-    if (getenv("SPEC")) IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
+    if (o.method == IGI_METHOD_PATCHES && o.model != IGI_LAMBERT)
+        IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
+    igi_lobe_view view;
+    if (specular) view = igi_specular_view(specular, diffuse);
+    if (specular) problem->lobes = &view;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
-    IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, &r->materials));
+    IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, specular, &r->materials));
     IGI_TRY_GOTO(draw(ctx, problem, diffuse, r));
     *recovery = r;
     r = NULL;

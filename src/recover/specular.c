@@ -7,8 +7,6 @@
 #include "scene/camera.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define SIDES_A_TASK 64
@@ -18,8 +16,10 @@
 #define MIN_GAIN 20
 #define MIN_SHARE 0.03
 #define MIN_SIGMAS 4
-#define SEEN_SAMPLES 60000 /* photographs' pixels of a region whose lobe is taken out, about */
-#define RECEIVED_SAMPLES 24 /* rays of a row that look for lobes */
+#define MODEL_GAIN 10
+#define MODEL_SHARE 0.01
+#define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
+#define RECEIVED_SAMPLES 16 /* rays of a row that look for lobes */
 
 typedef struct job {
     const igi_problem *problem;
@@ -43,7 +43,7 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
     const igi_observations *o = p->observations;
     const igi_lobe *lobe = lobe_of_side(j, side);
     size_t n = igi_problem_seen_count(p, side), bands = (size_t)p->bands;
-    float sum[IGI_MAX_BANDS] = {0};
+    float lamps[IGI_MAX_BANDS] = {0}, surfaces[IGI_MAX_BANDS] = {0};
     uint64_t rays = 0;
     int samples = (int)(SEEN_SAMPLES / j->sides[igi_patch_region(p->patches, side >> 1)]);
     samples = samples < 12 ? 12 : samples > 64 ? 64 : samples;
@@ -56,10 +56,13 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
         if (side & 1) normal = igi_scale(normal, -1);
         igi_vec eye = igi_camera_centre(&p->scene->frames[igi_observation_frame(o, i)].camera);
         rays += (uint64_t)igi_lobe_radiance(j->field, lobe, point, normal,
-                                            igi_normalize(igi_sub(eye, point)), rng, sum);
+                                            igi_normalize(igi_sub(eye, point)), rng, lamps,
+                                            surfaces);
     }
-    for (size_t b = 0; b < bands; b++)
-        j->correction->seen[side * bands + b] = sum[b] / (float)samples;
+    for (size_t b = 0; b < bands; b++) {
+        j->correction->surfaces[side * bands + b] = surfaces[b] / (float)samples;
+        j->correction->seen[side * bands + b] = (lamps[b] + surfaces[b]) / (float)samples;
+    }
     return rays;
 }
 
@@ -88,7 +91,7 @@ static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
         igi_vec met = igi_tracer_normal(p->tracer, hit.triangle);
         if (hit.back) met = igi_scale(met, -1);
         rays += (uint64_t)igi_lobe_radiance(j->field, lobe, igi_madd(point, direction, hit.distance),
-                                            met, igi_scale(direction, -1), rng, sum);
+                                            met, igi_scale(direction, -1), rng, sum, sum);
     }
     for (size_t b = 0; b < bands; b++)
         j->correction->received[row * bands + b] = sum[b] * IGI_PIF / (float)RECEIVED_SAMPLES;
@@ -158,12 +161,9 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
         if (before == IGI_WARD && models[i] == IGI_PHONG) start = fmin(0.45, 2 * near_alpha);
         IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], start, &found));
-        if (getenv("VV"))
-            printf("%-14s n %zu g %zu %s rs %.4f+-%.4f a %.4f+-%.4f noise %.3f dev %.1f plain %.1f gain/n %.4f %s rho %.4f %.4f %.4f\n",
-                   p->scene->regions[region].name, h->count, h->groups, igi_model_name(found.model), found.specular, found.specular_std,
-                   found.alpha, found.alpha_std, found.noise, found.deviance, found.plain_deviance, (found.plain_deviance - found.deviance) / found.residuals,
-                   found.at_bound ? "BOUND" : "", found.albedo[0], found.albedo[1], found.albedo[2]);
-        if (i == 0 || found.deviance < best->deviance) *best = found;
+        /* a model that is not the first must be better by more than the noise of such differences */
+        double margin = i == 0 ? 0 : MODEL_GAIN + MODEL_SHARE * found.residuals;
+        if (i == 0 || found.deviance < best->deviance - margin) *best = found;
     }
 cleanup:
     igi_highlights_destroy(h);
@@ -188,16 +188,30 @@ static void take_lobe(igi_lobe *lobe, igi_lobe_estimate *e, int bands)
     for (int b = 0; b < bands; b++) lobe->specular[b] = earned ? (float)e->specular : 0;
 }
 
+/* The models that the user allows: one, or all that can be told apart. */
+static size_t allowed_models(const igi_problem *p, igi_model models[3])
+{
+    if (p->options->model != IGI_ANY_MODEL) {
+        models[0] = (igi_model)p->options->model;
+        return 1;
+    }
+    models[0] = IGI_WARD;
+    models[1] = IGI_GGX;
+    models[2] = IGI_PHONG;
+    return 3;
+}
+
 /* First a search everywhere with few pixels; what the cameras saw stands for what leaves. */
 static igi_status search_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    igi_highlight_options options = {.pixels = 1500, .lobe_samples = 32, .lamp_samples = 64,
+    igi_highlight_options options = {.pixels = 1200, .lobe_samples = 32, .lamp_samples = 64,
                                      .lamp_tests = 8, .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
-    const igi_model ward = IGI_WARD;
+    igi_model models[3];
+    (void)allowed_models(p, models);
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
-        IGI_TRY(fit_region(ctx, s, r, options, &ward, 1));
+        IGI_TRY(fit_region(ctx, s, r, options, models, 1));
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
@@ -208,17 +222,18 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
 static igi_status refine_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    const igi_model all[3] = {IGI_WARD, IGI_GGX, IGI_PHONG};
+    igi_model models[3];
+    size_t allowed = allowed_models(p, models);
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         float a = s->specular->lobes[r].alpha;
-        igi_highlight_options options = {.pixels = 1200, .lobe_samples = 96, .lamp_samples = 96,
+        igi_highlight_options options = {.pixels = 1000, .lobe_samples = 64, .lamp_samples = 64,
                                          .lamp_tests = 8,
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
-        IGI_TRY(fit_region(ctx, s, r, options, all, 3));
+        if (allowed > 1) IGI_TRY(fit_region(ctx, s, r, options, models, allowed));
         const igi_model chosen = s->specular->estimates[r].model;
         options.pixels = 4000;
-        options.lobe_samples = 64;
+        options.lamp_samples = 96;
         IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
@@ -244,7 +259,9 @@ static igi_status correct(igi_context *ctx, const igi_radiance_field *field, igi
     for (size_t i = 0; i < diffuse->rows->seen_count; i++)
         sides[igi_patch_region(p->patches, diffuse->rows->side[i] >> 1)]++;
     job j = {p, field, diffuse->rows, s->lobes, &s->correction, sides, round};
-    memset(s->correction.seen, 0, 2 * p->patches->count * (size_t)p->bands * sizeof(float));
+    size_t size = 2 * p->patches->count * (size_t)p->bands * sizeof(float);
+    memset(s->correction.seen, 0, size);
+    memset(s->correction.surfaces, 0, size);
     IGI_TRY_GOTO(igi_parallel_for(ctx, (count + SIDES_A_TASK - 1) / SIDES_A_TASK, correct_rows, &j));
     IGI_TRY_GOTO(igi_patches_solve(ctx, p, &s->correction, diffuse));
 cleanup:
@@ -295,6 +312,7 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->estimates));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->lobes));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.seen));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.surfaces));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, diffuse->rows->count * bands, &s->correction.received));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &total));
     IGI_TRY_GOTO(run(ctx, problem, diffuse, s, total));
@@ -306,12 +324,19 @@ cleanup:
     return status;
 }
 
+igi_lobe_view igi_specular_view(const igi_specular *specular, const igi_diffuse *diffuse)
+{
+    return (igi_lobe_view){diffuse->rows, specular->lobes, specular->correction.seen,
+                           specular->correction.surfaces};
+}
+
 void igi_specular_destroy(igi_specular *specular)
 {
     if (!specular) return;
     igi_free(specular->estimates);
     igi_free(specular->lobes);
     igi_free(specular->correction.seen);
+    igi_free(specular->correction.surfaces);
     igi_free(specular->correction.received);
     igi_free(specular);
 }

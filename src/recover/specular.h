@@ -8,6 +8,7 @@
 
 #include "recover/incident.h"
 #include "recover/lobe_fit.h"
+#include "recover/lobe_view.h"
 
 typedef struct igi_specular {
     igi_lobe_estimate *estimates; /* [regions]; model IGI_LAMBERT: no lobe */
@@ -19,6 +20,8 @@ typedef struct igi_specular {
  * in `diffuse`, and repeats until both agree. */
 IGI_MUST_USE igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem,
                                             igi_diffuse *diffuse, igi_specular **specular);
+/* For maps and predictions; valid as long as both. */
+igi_lobe_view igi_specular_view(const igi_specular *specular, const igi_diffuse *diffuse);
 void igi_specular_destroy(igi_specular *specular);
 
 #endif
