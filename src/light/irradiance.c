@@ -276,6 +276,24 @@ static float one_ray(const igi_lighting *l, size_t light, const igi_tracer *trac
     return hidden ? 0 : cosine * s.weight;
 }
 
+static float sky_irradiance(const igi_lighting *l, size_t light, const igi_tracer *tracer,
+                            igi_vec point, igi_vec normal, int rays, uint64_t key)
+{
+    float sum = 0;
+    pattern p = pattern_start(key);
+    for (int k = 0; k < rays; k++) {
+        igi_light_sample s;
+        bool shines = igi_light_sample_toward(l, light, point, p.u, p.v, &s);
+        pattern_next(&p);
+        float cosine = shines ? igi_dot(s.direction, normal) : 0, mean = 0;
+        if (!(cosine > 0)) continue;
+        if (tracer && igi_occluded_toward(tracer, point, s.direction, INFINITY)) continue;
+        for (int b = 0; b < l->bands; b++) mean += s.tint[b] / (float)l->bands;
+        sum += cosine * s.weight * mean;
+    }
+    return sum / (float)rays;
+}
+
 float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *tracer, size_t light,
                            igi_vec point, igi_vec normal, int rays, uint64_t key)
 {
@@ -285,6 +303,7 @@ float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *trace
     case IGI_LIGHT_AREA: return area_irradiance(lighting, light, tracer, point, normal, rays, key);
     case IGI_LIGHT_LINE: return line_irradiance(s, tracer, point, normal, rays, key);
     case IGI_LIGHT_AMBIENT: return ambient_irradiance(tracer, point, normal, rays, key);
+    case IGI_LIGHT_ENV: return sky_irradiance(lighting, light, tracer, point, normal, rays, key);
     default: return one_ray(lighting, light, tracer, point, normal);
     }
 }

@@ -26,6 +26,7 @@ typedef struct igi_light_sample {
     float pdf;         /* per solid angle; 0 for a light of no extent (point, spot, directional) */
     float weight;      /* radiance over pdf, or irradiance at normal incidence for a light of no
                           extent, is weight * value[band]: value = the light's own */
+    const float *tint; /* [bands], a factor of each band beside the value (env); NULL: 1 */
 } igi_light_sample;
 
 /* Samples light number `light` from (u,v) in the unit square. false: it cannot shine there. */
@@ -47,11 +48,14 @@ int igi_lighting_of_triangle(const igi_lighting *lighting, uint32_t triangle);
  * left the scene; adds to radiance[bands]. */
 void igi_lighting_add_emitted(const igi_lighting *lighting, igi_vec direction, const igi_hit *hit,
                               float *radiance);
+/* The part of that by one light, env or ambient, of a ray that left the scene; else nothing. */
+void igi_light_add_sky(const igi_lighting *lighting, size_t light, igi_vec direction,
+                       float *radiance);
 
 /* Irradiance at `point` (on the side of `normal`) by light number `light` for a value of 1 in a
  * band, W m^-2 per unit of value: closed form for what is unoccluded, times the visible fraction
  * found with `rays` shadow rays whose pattern is keyed by `key`. Without a tracer (NULL): as if
- * nothing were in between. */
+ * nothing were in between. Of an env light: the mean over bands of its image, by samples of it. */
 float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *tracer, size_t light,
                            igi_vec point, igi_vec normal, int rays, uint64_t key);
 

@@ -58,7 +58,7 @@ static void gather_emitters(igi_lighting *l)
     }
 }
 
-static igi_status prepare(igi_context *ctx, source *s)
+static igi_status prepare(igi_context *ctx, source *s, int bands)
 {
     const igi_light *light = s->light;
     s->position = igi_v_ofd(light->position);
@@ -74,11 +74,11 @@ static igi_status prepare(igi_context *ctx, source *s)
         s->cos_cutoff = cosf(s->cutoff);
         break;
     case IGI_LIGHT_GONIOMETRIC:
-        return igi_fail(ctx, IGI_E_DATA, "%s: goniometric lights cannot be used yet; take a spot",
-                        light->file ? light->file : "lights");
+        if (!light->file) return igi_fail(ctx, IGI_E_DATA, "lights: one has no \"profile\"");
+        return profile_load(ctx, light->file, &s->profile);
     case IGI_LIGHT_ENV:
-        return igi_fail(ctx, IGI_E_DATA, "%s: environment maps cannot be used yet; take ambient",
-                        light->file ? light->file : "lights");
+        if (!light->file) return igi_fail(ctx, IGI_E_DATA, "lights: one has no \"image\"");
+        return sky_load(ctx, light->file, bands, light->rotation_deg, &s->sky);
     default: break;
     }
     return IGI_OK;
@@ -101,7 +101,7 @@ igi_status igi_lighting_create(igi_context *ctx, const igi_scene *scene, const i
     IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->areas));
     for (size_t i = 0; i < light_count; i++) {
         l->sources[i].light = &lights[i];
-        IGI_TRY_GOTO(prepare(ctx, &l->sources[i]));
+        IGI_TRY_GOTO(prepare(ctx, &l->sources[i], l->bands));
     }
     gather_emitters(l);
 cleanup:
@@ -115,6 +115,10 @@ cleanup:
 void igi_lighting_destroy(igi_lighting *lighting)
 {
     if (!lighting) return;
+    for (size_t i = 0; lighting->sources && i < lighting->count; i++) {
+        sky_destroy(lighting->sources[i].sky);
+        profile_destroy(lighting->sources[i].profile);
+    }
     igi_free(lighting->sources);
     igi_free(lighting->emitters);
     igi_free(lighting->areas);
@@ -132,21 +136,28 @@ int igi_lighting_of_triangle(const igi_lighting *lighting, uint32_t triangle)
     return lighting->light_of_region[lighting->scene->mesh.regions[triangle]];
 }
 
-static void add(const igi_lighting *l, const igi_light *light, float *radiance)
+static void add(const igi_lighting *l, const source *s, const float *tint, float *radiance)
 {
-    for (int b = 0; b < l->bands; b++) radiance[b] += (float)light->value[b];
+    for (int b = 0; b < l->bands; b++)
+        radiance[b] += (float)s->light->value[b] * (tint ? tint[b] : 1);
+}
+
+void igi_light_add_sky(const igi_lighting *lighting, size_t light, igi_vec direction,
+                       float *radiance)
+{
+    const source *s = &lighting->sources[light];
+    if (s->light->type == IGI_LIGHT_AMBIENT) add(lighting, s, NULL, radiance);
+    if (s->sky) add(lighting, s, sky_radiance(s->sky, direction), radiance);
 }
 
 void igi_lighting_add_emitted(const igi_lighting *lighting, igi_vec direction, const igi_hit *hit,
                               float *radiance)
 {
-    (void)direction;
     if (hit->triangle != IGI_NO_HIT) {
         int i = igi_lighting_of_triangle(lighting, hit->triangle);
-        if (i >= 0 && !hit->back) add(lighting, lighting->sources[i].light, radiance);
+        if (i >= 0 && !hit->back) add(lighting, &lighting->sources[i], NULL, radiance);
         return;
     }
     for (size_t i = 0; i < lighting->count; i++)
-        if (lighting->sources[i].light->type == IGI_LIGHT_AMBIENT)
-            add(lighting, lighting->sources[i].light, radiance);
+        igi_light_add_sky(lighting, i, direction, radiance);
 }

@@ -6,6 +6,7 @@
 #define IGI_SRC_LIGHT_LIGHTING_H
 
 #include "light/light.h"
+#include "light/sky.h"
 
 #include <igi/image.h>
 
@@ -15,8 +16,6 @@ typedef struct emitter {
     float area;
 } emitter;
 
-typedef struct sky sky; /* an environment map */
-
 typedef struct source {
     const igi_light *light;
     size_t first, count;    /* area: its emitters */
@@ -24,7 +23,8 @@ typedef struct source {
     igi_vec position, axis; /* axis: direction of spot and directional; line: from end to end */
     float length;           /* line */
     float cos_cutoff, cutoff, beam; /* spot; angles in radians */
-    sky *sky;
+    sky *sky;                       /* env */
+    profile *profile;               /* goniometric */
 } source;
 
 struct igi_lighting {

@@ -63,6 +63,7 @@ bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec
                              float v, igi_light_sample *sample)
 {
     const source *s = &lighting->sources[light];
+    sample->tint = NULL;
     switch (s->light->type) {
     case IGI_LIGHT_AREA: return sample_area(lighting, s, point, u, v, sample);
     case IGI_LIGHT_POINT: return sample_place(point, s->position, sample);
@@ -75,8 +76,18 @@ bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec
         sample->weight *= s->length;
         return true;
     case IGI_LIGHT_DIRECTIONAL:
-        *sample = (igi_light_sample){igi_scale(s->axis, -1), INFINITY, 0, 1};
+        *sample = (igi_light_sample){igi_scale(s->axis, -1), INFINITY, 0, 1, NULL};
         return true;
+    case IGI_LIGHT_GONIOMETRIC:
+        if (!sample_place(point, s->position, sample)) return false;
+        sample->weight *= profile_intensity(s->profile, igi_scale(sample->direction, -1));
+        return sample->weight > 0;
+    case IGI_LIGHT_ENV:
+        sample->direction = sky_sample(s->sky, u, v, &sample->pdf);
+        sample->distance = INFINITY;
+        sample->tint = sky_radiance(s->sky, sample->direction);
+        sample->weight = sample->pdf > 0 ? 1 / sample->pdf : 0;
+        return sample->pdf > 0;
     default: return false; /* ambient: cosine-distributed rays find it best */
     }
 }
@@ -86,6 +97,7 @@ float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, i
 {
     (void)point;
     const source *s = &lighting->sources[light];
+    if (s->sky && hit->triangle == IGI_NO_HIT) return sky_pdf(s->sky, direction);
     if (s->light->type != IGI_LIGHT_AREA || hit->triangle == IGI_NO_HIT || hit->back) return 0;
     if (igi_lighting_of_triangle(lighting, hit->triangle) != (int)light) return 0;
     igi_vec normal = igi_triangle_normal(&lighting->scene->mesh, hit->triangle);

@@ -27,6 +27,7 @@ static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u
     c->mean = 0;
     for (int b = 0; b < r->bands; b++) {
         c->value[b] *= c->sample.weight * share * (float)r->lights[light].value[b];
+        if (c->sample.tint) c->value[b] *= c->sample.tint[b];
         c->mean += c->value[b];
     }
     return c->mean > 0;
@@ -66,17 +67,31 @@ static uint64_t add_direct(const igi_renderer *r, const surface *s, sampler *poi
     return 1;
 }
 
+static void add_sky(const igi_renderer *r, igi_vec origin, igi_vec direction, const igi_hit *hit,
+                    float pdf, const float *throughput, float *radiance)
+{
+    for (size_t i = 0; i < igi_lighting_count(r->lighting); i++) {
+        float sky[IGI_MAX_BANDS] = {0}, share = 1;
+        igi_light_add_sky(r->lighting, i, direction, sky);
+        if (pdf >= 0) share = pdf / (pdf + igi_light_pdf(r->lighting, i, origin, direction, hit));
+        for (int b = 0; b < r->bands; b++) radiance[b] += throughput[b] * sky[b] * share;
+    }
+}
+
 /* Emission at the end of an edge; `pdf` is that of the BRDF at its start, negative: the camera. */
 static void add_emission(const igi_renderer *r, igi_vec origin, igi_vec direction,
                          const igi_hit *hit, float pdf, const float *throughput, float *radiance)
 {
     float emitted[IGI_MAX_BANDS] = {0}, share = 1;
-    igi_lighting_add_emitted(r->lighting, direction, hit, emitted);
-    if (pdf >= 0 && hit->triangle != IGI_NO_HIT) {
-        int light = igi_lighting_of_triangle(r->lighting, hit->triangle);
-        if (light >= 0)
-            share = pdf / (pdf + igi_light_pdf(r->lighting, (size_t)light, origin, direction, hit));
+    if (hit->triangle == IGI_NO_HIT) {
+        add_sky(r, origin, direction, hit, pdf, throughput, radiance);
+        return;
     }
+    int light = igi_lighting_of_triangle(r->lighting, hit->triangle);
+    if (light < 0) return;
+    igi_lighting_add_emitted(r->lighting, direction, hit, emitted);
+    if (pdf >= 0)
+        share = pdf / (pdf + igi_light_pdf(r->lighting, (size_t)light, origin, direction, hit));
     for (int b = 0; b < r->bands; b++) radiance[b] += throughput[b] * emitted[b] * share;
 }
 

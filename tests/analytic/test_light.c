@@ -241,6 +241,107 @@ static void ambient(void)
     put_out(r);
 }
 
+/* A map of 8 x 4 pixels; `bright` holds the only pixel that is not dark, or -1: all are 1. */
+static void write_map(igi_context *ctx, int bright)
+{
+    igi_image *map = NULL;
+    CHECK_OK(ctx, igi_image_create(ctx, 8, 4, 1, &map));
+    for (int i = 0; i < 32; i++) map->samples[i] = bright < 0 ? 1 : i == bright ? 2 : 0;
+    CHECK_OK(ctx, igi_image_save_exr(ctx, map, IGI_EXR_FLOAT, "test_light_sky.exr"));
+    igi_image_destroy(map);
+}
+
+static igi_light env_light(double rotation_deg)
+{
+    static char path[] = "test_light_sky.exr";
+    return (igi_light){.type = IGI_LIGHT_ENV,
+                       .region = -1,
+                       .file = path,
+                       .rotation_deg = rotation_deg,
+                       .value = {1}};
+}
+
+static void environment(void)
+{
+    igi_context *ctx = test_context(1);
+    write_map(ctx, -1);
+    lit l = other_room(env_light(0), false), *r = &l;
+    CHECK_NEAR(mean_irradiance(r, igi_v(0, 0, 1.5f), up, 64, 4000) / IGI_PI, 1, 4e-3);
+    CHECK_NEAR(mean_irradiance(r, igi_v(0, 0, 0), up, 64, 4000) / IGI_PI, 1 - 0.138531605994893,
+               4e-3);
+    put_out(r);
+    /* Row 1 spans 45 to 90 degrees from +Z; column 4 lies right of +X: azimuth -45 to 0 degrees.
+     * Turned by 90 degrees: 45 to 90. E = 2 int z dz dphi = 2 (1/2)(cos^2 45) pi/4. */
+    write_map(ctx, 12);
+    for (int turned = 0; turned < 2; turned++) {
+        l = other_room(env_light(turned ? 90 : 0), true);
+        CHECK_NEAR(mean_irradiance(r, igi_v(0, 0, 0), up, 64, 400), IGI_PI / 8, 2e-3);
+        for (int k = 0; k < 100; k++) {
+            igi_light_sample s;
+            igi_hit miss = {.triangle = IGI_NO_HIT};
+            float u = ((float)k + .5f) / 100, v = (float)(k * 37 % 100) / 100, radiance[1] = {0};
+            CHECK(igi_light_sample_toward(r->lighting, 0, igi_v(0, 0, 0), u, v, &s));
+            double azimuth = (double)atan2f(s.direction.y, s.direction.x) * 180 / IGI_PI;
+            CHECK_NEAR(azimuth, turned ? 67.5 : -22.5, 22.51);
+            CHECK_NEAR((double)s.direction.z, .3536, .3537);
+            CHECK_NEAR((double)igi_light_pdf(r->lighting, 0, igi_v(0, 0, 0), s.direction, &miss),
+                       (double)s.pdf, 1e-6);
+            igi_light_add_sky(r->lighting, 0, s.direction, radiance);
+            CHECK(radiance[0] == 2 && s.tint[0] == 2 && isinf(s.distance));
+        }
+        put_out(r);
+    }
+    remove("test_light_sky.exr");
+    igi_context_destroy(ctx);
+}
+
+static void write_profile(const char *text)
+{
+    FILE *file = fopen("test_light.ies", "w");
+    if (!file || fputs(text, file) < 0 || fclose(file) != 0) abort();
+}
+
+static void goniometric(void)
+{
+    static char path[] = "test_light.ies";
+    igi_light lamp = {.type = IGI_LIGHT_GONIOMETRIC,
+                      .region = -1,
+                      .file = path,
+                      .position = {0, 0, 2},
+                      .value = {1}};
+    /* 100 (times 2) straight down, falling linearly to 0 at 90 degrees, twice that toward +-Y. */
+    write_profile("IESNA:LM-63-2002\n[TEST] none\nTILT=NONE\n1 1000 2 3 2 1 2 .1 .1 0\n1 1 50\n"
+                  "0 45 90\n0 90\n100 50 0\n100,100,0\n");
+    lit l = other_room(lamp, true), *r = &l;
+    CHECK_NEAR(irradiance(r, igi_v(0, 0, 0), up, 4, 1), 200 / 4.0, 1e-4);
+    double c3 = pow(.5, 1.5); /* at 45 degrees E = I cos^3/h^2 */
+    CHECK_NEAR(irradiance(r, igi_v(-2, 0, 0), up, 4, 1), 100 * c3 / 4, 1e-3);
+    CHECK_NEAR(irradiance(r, igi_v(0, -2, 0), up, 4, 1), 200 * c3 / 4, 1e-3);
+    float d = 2 / sqrtf(2);
+    CHECK_NEAR(irradiance(r, igi_v(-d, d, 0), up, 4, 1), 150 * c3 / 4, 1e-3);
+    CHECK(irradiance(r, igi_v(0, 0, 3), igi_v(0, 0, -1), 4, 1) == 0); /* above: beyond 90 */
+    put_out(r);
+    static const struct {
+        const char *text, *sentence;
+    } bad[] = {{"IESNA\n", "no TILT= line"},
+               {"TILT=INCLUDE\n", "only TILT=NONE"},
+               {"TILT=NONE\n1 1000 2", "head is cut short"},
+               {"TILT=NONE\n1 1 1 99999 1 1 2 0 0 0 1 1 1", "out of range"},
+               {"TILT=NONE\n1 1 1 2 1 2 2 0 0 0 1 1 1", "type C"},
+               {"TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 0 0", "do not rise"},
+               {"TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 5", "among the candela"},
+               {"TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 5 -1", "below zero"}};
+    room *empty = square_room();
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        igi_lighting *none;
+        write_profile(bad[i].text);
+        CHECK(igi_lighting_create(empty->ctx, &empty->scene, &lamp, 1, &none) == IGI_E_DATA);
+        CHECK_CONTAINS(igi_context_message(empty->ctx), bad[i].sentence);
+    }
+    room_free(empty);
+    remove("test_light.ies");
+}
+
 static void refusals(void)
 {
     lit square_lit = light_up(square_room()), *r = &square_lit;
@@ -264,4 +365,4 @@ static void refusals(void)
 
 TEST_MAIN({"square", square}, {"bulb", bulb}, {"shadow", shadow}, {"samples", samples},
           {"small lights", small_lights}, {"line", line}, {"ambient", ambient},
-          {"refusals", refusals})
+          {"environment", environment}, {"goniometric", goniometric}, {"refusals", refusals})

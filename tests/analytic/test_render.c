@@ -119,6 +119,40 @@ static double reflect(const room *r, igi_vec in, igi_vec out)
     return f * (double)fmaxf(0.0f, in.z);
 }
 
+/* A map of bright and dark pixels lights a glossy plane; samples of the map and of the lobe share
+ * the work. The truth is the sum over fine pieces of the map. */
+static void environment(void)
+{
+    static char path[] = "test_render_sky.exr";
+    for (int m = 0; m < 3; m++) {
+        room *r = lobe_room(lobes[m], .3, .4, .2);
+        igi_image *map = NULL;
+        CHECK_OK(r->ctx, igi_image_create(r->ctx, 16, 8, 1, &map));
+        for (int i = 0; i < 128; i++) map->samples[i] = i % 5 == 0 ? 9 : (float)(i % 3);
+        CHECK_OK(r->ctx, igi_image_save_exr(r->ctx, map, IGI_EXR_FLOAT, path));
+        (void)room_light(r, (igi_light){.type = IGI_LIGHT_ENV, .file = path, .value = {2}});
+        igi_vec out = igi_normalize(eye_at(40));
+        double sum = 0;
+        enum { FINE = 1600 };
+        for (int j = 0; j < FINE / 2; j++)
+            for (int i = 0; i < FINE; i++) {
+                double theta = IGI_PI * (j + .5) / (FINE / 2),
+                       phi = IGI_PI - 2 * IGI_PI * (i + .5) / FINE;
+                igi_vec in = {(float)(sin(theta) * cos(phi)), (float)(sin(theta) * sin(phi)),
+                              (float)cos(theta)};
+                double weight = 2 * IGI_PI / FINE * IGI_PI / (FINE / 2) * sin(theta);
+                int pixel = j / (FINE / 16) * 16 + i / (FINE / 16);
+                if (in.z > 0) sum += 2 * (double)map->samples[pixel] * reflect(r, in, out) * weight;
+            }
+        picture p = take(r, eye_at(40), igi_v(0, 0, 0), 8, 1000, 2048);
+        CHECK_NEAR(p.mean / sum, 1, 4 * p.sigma / p.mean + 1e-3);
+        CHECK(p.sigma / p.mean < 4e-3);
+        igi_image_destroy(map);
+        room_free(r);
+    }
+    remove(path);
+}
+
 /* Under uniform light a plane shows its directional albedo. */
 static void lobes_in_ambient(void)
 {
@@ -343,6 +377,7 @@ static void refusals(void)
 
 TEST_MAIN({"white furnace", white_furnace}, {"closed furnace", closed_furnace},
           {"sphere interior", sphere_interior}, {"lobes in ambient", lobes_in_ambient},
-          {"lobes under a lamp", lobes_under_a_lamp}, {"small lights", small_lights},
-          {"maps", maps}, {"sides", sides}, {"variance is honest", variance_is_honest},
-          {"same bytes", same_bytes}, {"depth", depth}, {"refusals", refusals})
+          {"environment", environment}, {"lobes under a lamp", lobes_under_a_lamp},
+          {"small lights", small_lights}, {"maps", maps}, {"sides", sides},
+          {"variance is honest", variance_is_honest}, {"same bytes", same_bytes}, {"depth", depth},
+          {"refusals", refusals})
