@@ -139,7 +139,7 @@ static size_t area_sample_set(const igi_lighting *l, const source *s, igi_vec po
         if (!(facing > 0) || !(angle > 0)) continue;
         float solid = emitters[i].area * facing / (squared * distance); /* were all of it here */
         samples[made++] = (igi_light_sample){igi_scale(d, 1 / distance), distance, 1 / solid,
-                                             solid * whole / (angle * (float)count)};
+                                             solid * whole / (angle * (float)count), NULL};
     }
     return made;
 }
@@ -150,12 +150,13 @@ size_t igi_light_sample_set(const igi_lighting *lighting, size_t light, igi_vec 
     const source *s = &lighting->sources[light];
     if (s->light->type == IGI_LIGHT_AREA)
         return area_sample_set(lighting, s, point, count, start, samples);
-    bool is_extended = s->light->type == IGI_LIGHT_LINE;
+    bool is_extended = s->light->type == IGI_LIGHT_LINE || s->light->type == IGI_LIGHT_ENV;
     if (!is_extended) return igi_light_sample_toward(lighting, light, point, 0, 0, samples) ? 1 : 0;
     size_t made = 0;
     for (size_t k = 0; k < count; k++) {
-        float u = ((float)k + start[0]) / (float)count;
-        if (!igi_light_sample_toward(lighting, light, point, u, start[1], &samples[made])) continue;
+        float u = ((float)k + start[0]) / (float)count, v = start[1] + (float)k * 0.6180339887f;
+        v -= floorf(v);
+        if (!igi_light_sample_toward(lighting, light, point, u, v, &samples[made])) continue;
         samples[made++].weight /= (float)count;
     }
     return made;
