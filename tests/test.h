@@ -15,56 +15,56 @@
 
 static int test_failures, test_checks, test_skips;
 
-#define CHECK(condition)                                                        \
-    do {                                                                        \
-        test_checks++;                                                          \
-        if (!(condition)) {                                                     \
-            test_failures++;                                                    \
+#define CHECK(condition)                                                         \
+    do {                                                                         \
+        test_checks++;                                                           \
+        if (!(condition)) {                                                      \
+            test_failures++;                                                     \
             printf("%s:%d: CHECK(%s) failed\n", __FILE__, __LINE__, #condition); \
-        }                                                                       \
+        }                                                                        \
     } while (0)
 
-#define CHECK_NEAR(got, want, tolerance)                                                   \
-    do {                                                                                   \
-        double got_ = (got), want_ = (want), tolerance_ = (tolerance);                     \
-        test_checks++;                                                                     \
-        if (!(fabs(got_ - want_) <= tolerance_)) {                                         \
-            test_failures++;                                                               \
+#define CHECK_NEAR(got, want, tolerance)                                                        \
+    do {                                                                                        \
+        double got_ = (got), want_ = (want), tolerance_ = (tolerance);                          \
+        test_checks++;                                                                          \
+        if (!(fabs(got_ - want_) <= tolerance_)) {                                              \
+            test_failures++;                                                                    \
             printf("%s:%d: %s = %.9g, want %.9g within %.3g\n", __FILE__, __LINE__, #got, got_, \
-                   want_, tolerance_);                                                     \
-        }                                                                                  \
+                   want_, tolerance_);                                                          \
+        }                                                                                       \
     } while (0)
 
-#define CHECK_STR(got, want)                                                              \
-    do {                                                                                  \
-        const char *got_ = (got), *want_ = (want);                                        \
-        test_checks++;                                                                    \
-        if (strcmp(got_, want_) != 0) {                                                   \
-            test_failures++;                                                              \
+#define CHECK_STR(got, want)                                                                    \
+    do {                                                                                        \
+        const char *got_ = (got), *want_ = (want);                                              \
+        test_checks++;                                                                          \
+        if (strcmp(got_, want_) != 0) {                                                         \
+            test_failures++;                                                                    \
             printf("%s:%d: %s = \"%s\", want \"%s\"\n", __FILE__, __LINE__, #got, got_, want_); \
-        }                                                                                 \
+        }                                                                                       \
     } while (0)
 
 /* Does `text` contain `part`? */
-#define CHECK_CONTAINS(text, part)                                                           \
-    do {                                                                                     \
-        const char *text_ = (text), *part_ = (part);                                         \
-        test_checks++;                                                                       \
-        if (!strstr(text_, part_)) {                                                         \
-            test_failures++;                                                                 \
+#define CHECK_CONTAINS(text, part)                                                               \
+    do {                                                                                         \
+        const char *text_ = (text), *part_ = (part);                                             \
+        test_checks++;                                                                           \
+        if (!strstr(text_, part_)) {                                                             \
+            test_failures++;                                                                     \
             printf("%s:%d: \"%s\" does not contain \"%s\"\n", __FILE__, __LINE__, text_, part_); \
-        }                                                                                    \
+        }                                                                                        \
     } while (0)
 
 /* Succeeds or prints the context's sentence. */
-#define CHECK_OK(ctx, call)                                                                  \
-    do {                                                                                     \
-        igi_status status_ = (call);                                                         \
-        test_checks++;                                                                       \
-        if (status_ != IGI_OK) {                                                             \
-            test_failures++;                                                                 \
+#define CHECK_OK(ctx, call)                                                                 \
+    do {                                                                                    \
+        igi_status status_ = (call);                                                        \
+        test_checks++;                                                                      \
+        if (status_ != IGI_OK) {                                                            \
+            test_failures++;                                                                \
             printf("%s:%d: %s: %s\n", __FILE__, __LINE__, #call, igi_context_message(ctx)); \
-        }                                                                                    \
+        }                                                                                   \
     } while (0)
 
 typedef struct test_case {
@@ -85,11 +85,11 @@ static inline int test_main(int argc, char **argv, const test_case *cases, size_
 }
 
 /* TEST_MAIN({"name", function}, ...) */
-#define TEST_MAIN(...)                                                            \
-    int main(int argc, char **argv)                                               \
-    {                                                                             \
-        static const test_case cases[] = {__VA_ARGS__};                           \
-        return test_main(argc, argv, cases, sizeof cases / sizeof cases[0]);      \
+#define TEST_MAIN(...)                                                       \
+    int main(int argc, char **argv)                                          \
+    {                                                                        \
+        static const test_case cases[] = {__VA_ARGS__};                      \
+        return test_main(argc, argv, cases, sizeof cases / sizeof cases[0]); \
     }
 
 /* The optional folder of independent data: IGI_SHARED_DATA, or ../shared/data beside the checkout.

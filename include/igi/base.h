@@ -36,13 +36,13 @@ extern "C" {
 #define IGI_MAX_BANDS 16
 
 /* Every outcome: name, value, meaning. The values are the program's exit statuses. */
-#define IGI_STATUS_LIST(X)                                               \
-    X(IGI_OK, 0, "done")                                                 \
-    X(IGI_E_NO_ANSWER, 1, "it ran, and the answer is no")                \
-    X(IGI_E_USAGE, 2, "the call or the command line is wrong")           \
-    X(IGI_E_DATA, 3, "the input data is wrong")                          \
-    X(IGI_E_SYSTEM, 4, "the file system or the memory did not suffice")  \
-    X(IGI_E_INTERNAL, 5, "a fault of igi's own")                         \
+#define IGI_STATUS_LIST(X)                                              \
+    X(IGI_OK, 0, "done")                                                \
+    X(IGI_E_NO_ANSWER, 1, "it ran, and the answer is no")               \
+    X(IGI_E_USAGE, 2, "the call or the command line is wrong")          \
+    X(IGI_E_DATA, 3, "the input data is wrong")                         \
+    X(IGI_E_SYSTEM, 4, "the file system or the memory did not suffice") \
+    X(IGI_E_INTERNAL, 5, "a fault of igi's own")                        \
     X(IGI_E_CANCELLED, 130, "interrupted")
 
 #define IGI_STATUS_ENUM(name, value, meaning) name = value,
@@ -87,10 +87,10 @@ IGI_API void igi_context_cancel(igi_context *context);
 /* What one stage of a run cost. */
 typedef struct igi_stage {
     const char *name;
-    double cpu_s;      /* of all threads */
+    double cpu_s; /* of all threads */
     double wall_s;
     uint64_t rays;
-    uint64_t peak_bytes; /* resident memory of the process at the end of the stage, its peak so far */
+    uint64_t peak_bytes; /* most resident memory of the process up to the end of the stage */
 } igi_stage;
 
 /* The stages since the context was made, in order. */

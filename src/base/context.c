@@ -133,7 +133,7 @@ void igi_stage_begin(igi_context *ctx, const char *name)
     ctx->stage_wall0 = wall_seconds();
     ctx->stage_rays0 = atomic_load(&ctx->rays);
     ctx->stage_open = true;
-    ctx->last_report_s = 0; /* a new stage is reported at once */
+    ctx->last_report_s = 0;                   /* a new stage is reported at once */
     igi_status status = igi_progress(ctx, 0); /* a wish to stop is heard at the next report */
     (void)status;
 }

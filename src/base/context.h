@@ -15,17 +15,17 @@ igi_status igi_fail(igi_context *ctx, igi_status status, const char *format, ...
 void igi_warn(igi_context *ctx, const char *format, ...) IGI_PRINTF(2, 3);
 
 /* Passes a failure up: the sentence is already in the context. */
-#define IGI_TRY(expression)                             \
-    do {                                                \
-        igi_status try_status_ = (expression);          \
-        if (try_status_ != IGI_OK) return try_status_;  \
+#define IGI_TRY(expression)                            \
+    do {                                               \
+        igi_status try_status_ = (expression);         \
+        if (try_status_ != IGI_OK) return try_status_; \
     } while (0)
 
 /* The same for a function with one exit: `igi_status status = IGI_OK; ... cleanup: ...`. */
-#define IGI_TRY_GOTO(expression)              \
-    do {                                      \
-        status = (expression);                \
-        if (status != IGI_OK) goto cleanup;   \
+#define IGI_TRY_GOTO(expression)            \
+    do {                                    \
+        status = (expression);              \
+        if (status != IGI_OK) goto cleanup; \
     } while (0)
 
 /* The only allocator. Zeroed memory for count x size bytes; the product is checked. NULL on

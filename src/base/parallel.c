@@ -42,7 +42,8 @@ static void work(worker *w)
         igi_context *speaker = w->number == 0 ? l->root : &w->ctx;
         if (w->status == IGI_OK) {
             w->status = igi_progress(speaker, (double)done / (double)l->count);
-            if (w->status != IGI_OK) memcpy(w->ctx.message, speaker->message, sizeof w->ctx.message);
+            if (w->status != IGI_OK)
+                memcpy(w->ctx.message, speaker->message, sizeof w->ctx.message);
         }
         if (w->status != IGI_OK) {
             w->failed_at = index;
@@ -75,8 +76,8 @@ igi_status igi_parallel_for(igi_context *ctx, size_t count, igi_task_fn task, vo
     loop l = {.root = ctx, .task = task, .user = user, .count = count};
     for (size_t i = 0; i < threads; i++) worker_init(&workers[i], &l, (int)i);
     for (size_t i = 1; i < threads; i++) /* a thread that cannot be had only costs time */
-        workers[i].started =
-            pthread_create(&workers[i].thread, NULL, thread_main, &workers[i]) == 0;
+        workers[i].started = pthread_create(&workers[i].thread, NULL, thread_main, &workers[i]) ==
+                             0;
     work(&workers[0]);
     const worker *first = NULL;
     for (size_t i = 0; i < threads; i++) {

@@ -21,7 +21,8 @@ extern "C" {
 #include <new>
 #include <vector>
 
-namespace {
+namespace
+{
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -48,8 +49,7 @@ double upper_of(const igi_least_squares &problem, size_t i)
 Active held_parameters(const igi_least_squares &problem)
 {
     Active held(problem.parameter_count);
-    for (size_t i = 0; i < held.size(); i++)
-        held[i] = lower_of(problem, i) == upper_of(problem, i);
+    for (size_t i = 0; i < held.size(); i++) held[i] = lower_of(problem, i) == upper_of(problem, i);
     return held;
 }
 
@@ -77,8 +77,9 @@ bool evaluate(const igi_least_squares &problem, size_t block, const double *para
            (!jacobian || usable(jacobian, size * problem.parameter_count));
 }
 
-class Block final : public ceres::CostFunction {
-public:
+class Block final : public ceres::CostFunction
+{
+  public:
     Block(const igi_least_squares &problem, size_t block) : problem_(problem), block_(block)
     {
         set_num_residuals(block_size(problem, block));
@@ -91,7 +92,7 @@ public:
                         jacobians ? jacobians[0] : nullptr);
     }
 
-private:
+  private:
     const igi_least_squares &problem_;
     size_t block_;
 };
@@ -103,8 +104,9 @@ igi_status check(igi_context *ctx, const igi_least_squares &p, const double *sta
                         p.parameter_count, IGI_LEAST_SQUARES_MAX_PARAMETERS);
     if (!(p.loss_scale >= 0) || !(p.residual_variance >= 0) || !(p.tolerance >= 0) ||
         p.max_iterations < 0 || std::isinf(p.residual_variance) || std::isinf(p.tolerance))
-        return igi_fail(ctx, IGI_E_USAGE, "least squares: loss_scale, residual_variance, "
-                                          "max_iterations and tolerance must be 0 or more");
+        return igi_fail(ctx, IGI_E_USAGE,
+                        "least squares: loss_scale, residual_variance, "
+                        "max_iterations and tolerance must be 0 or more");
     for (size_t i = 0; i < p.parameter_count; i++)
         if (!usable(start + i, 1) || !(lower_of(p, i) <= upper_of(p, i)) ||
             lower_of(p, i) == kInfinity || upper_of(p, i) == -kInfinity)
@@ -135,8 +137,9 @@ void silence()
 }
 
 // Ends the walk where a parameter that is free comes to its bound.
-class StopAtBound final : public ceres::IterationCallback {
-public:
+class StopAtBound final : public ceres::IterationCallback
+{
+  public:
     StopAtBound(const igi_least_squares &problem, const Active &active, const double *x)
         : problem_(problem), active_(active), x_(x)
     {
@@ -150,7 +153,7 @@ public:
         return ceres::SOLVER_CONTINUE;
     }
 
-private:
+  private:
     const igi_least_squares &problem_;
     const Active &active_;
     const double *x_;
@@ -179,8 +182,7 @@ void minimise(const igi_least_squares &p, ceres::LossFunction *loss, const Activ
     }
     if (static_cast<int>(constant.size()) == n) return;
     if (!constant.empty()) problem.SetManifold(x, new ceres::SubsetManifold(n, constant));
-    for (size_t b = 0; b < p.block_count; b++)
-        problem.AddResidualBlock(new Block(p, b), loss, x);
+    for (size_t b = 0; b < p.block_count; b++) problem.AddResidualBlock(new Block(p, b), loss, x);
 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
@@ -255,8 +257,9 @@ bool descend(const igi_least_squares &p, const ceres::LossFunction *loss,
     std::vector<double> trial(x->size());
     for (double t = 1; t > 1e-6; t /= 2) {
         for (size_t i = 0; i < trial.size(); i++)
-            trial[i] = std::min(std::max((*x)[i] + t * step(static_cast<Eigen::Index>(i)),
-                                         lower_of(p, i)), upper_of(p, i));
+            trial[i] = std::min(
+                std::max((*x)[i] + t * step(static_cast<Eigen::Index>(i)), lower_of(p, i)),
+                upper_of(p, i));
         if (!(cost_at(p, loss, trial.data()) < model.cost - 1e-4 * t * promised)) continue;
         *x = trial;
         return true;
@@ -345,8 +348,9 @@ igi_status solve(igi_context *ctx, const igi_least_squares &p, double *parameter
 
     QuadraticModel model;
     if (!search(p, loss.get(), &x, &model, result))
-        return igi_fail(ctx, IGI_E_NO_ANSWER, "least squares: the residuals are not finite, or "
-                                              "out of their domain, at the start; start elsewhere");
+        return igi_fail(ctx, IGI_E_NO_ANSWER,
+                        "least squares: the residuals are not finite, or "
+                        "out of their domain, at the start; start elsewhere");
     Matrix inverse;
     result->cost = model.cost;
     result->rank = igi::invert(model, held_parameters(p), &inverse);

@@ -15,8 +15,10 @@
 #include <cmath>
 #include <limits>
 
-namespace igi {
-namespace {
+namespace igi
+{
+namespace
+{
 
 constexpr double kUndetermined = 1e-12;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -6,7 +6,8 @@
 
 static igi_vec corner(const igi_mesh *mesh, uint32_t triangle, int k)
 {
-    return igi_v_of(mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)k]);
+    return igi_v_of(mesh->positions +
+                    3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)k]);
 }
 
 static igi_vec doubled_normal(const igi_mesh *mesh, uint32_t triangle)

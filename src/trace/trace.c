@@ -82,7 +82,8 @@ igi_status igi_tracer_create(igi_context *ctx, const igi_mesh *mesh, igi_tracer 
     }
     t->mesh = mesh;
     find_bounds(t);
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) t->normals[i] = igi_triangle_normal(mesh, i);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        t->normals[i] = igi_triangle_normal(mesh, i);
     char config[64];
     snprintf(config, sizeof config, "threads=%d,set_affinity=0", igi_threads(ctx));
     t->device = rtcNewDevice(config);
@@ -113,16 +114,22 @@ void igi_tracer_destroy(igi_tracer *tracer)
 
 static struct RTCRay make_ray(igi_vec origin, igi_vec direction, float near, float far)
 {
-    return (struct RTCRay){.org_x = origin.x, .org_y = origin.y, .org_z = origin.z,
-                           .dir_x = direction.x, .dir_y = direction.y, .dir_z = direction.z,
-                           .tnear = near, .tfar = far, .mask = UINT32_MAX};
+    return (struct RTCRay){.org_x = origin.x,
+                           .org_y = origin.y,
+                           .org_z = origin.z,
+                           .dir_x = direction.x,
+                           .dir_y = direction.y,
+                           .dir_z = direction.z,
+                           .tnear = near,
+                           .tfar = far,
+                           .mask = UINT32_MAX};
 }
 
 static igi_hit nearest(const igi_tracer *tracer, igi_vec origin, igi_vec direction, float near)
 {
-    struct RTCRayHit r = {.ray = make_ray(origin, direction, near, INFINITY),
-                          .hit = {.geomID = RTC_INVALID_GEOMETRY_ID,
-                                  .primID = RTC_INVALID_GEOMETRY_ID}};
+    struct RTCRayHit r = {
+        .ray = make_ray(origin, direction, near, INFINITY),
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .primID = RTC_INVALID_GEOMETRY_ID}};
 #if IGI_EMBREE_MAJOR >= 4
     rtcIntersect1(tracer->scene, &r, NULL);
 #else
@@ -134,8 +141,11 @@ static igi_hit nearest(const igi_tracer *tracer, igi_vec origin, igi_vec directi
         return (igi_hit){.triangle = IGI_NO_HIT, .distance = INFINITY};
     /* Embree's Ng is on the counter-clockwise side. */
     float facing = r.hit.Ng_x * direction.x + r.hit.Ng_y * direction.y + r.hit.Ng_z * direction.z;
-    return (igi_hit){.triangle = r.hit.primID, .u = r.hit.u, .v = r.hit.v,
-                     .distance = r.ray.tfar, .back = facing > 0};
+    return (igi_hit){.triangle = r.hit.primID,
+                     .u = r.hit.u,
+                     .v = r.hit.v,
+                     .distance = r.ray.tfar,
+                     .back = facing > 0};
 }
 
 igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction)

@@ -17,9 +17,10 @@
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n" \
     "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"                                         \
     "usemtl floor\nf 1/1 2/2 3/3 4/4\nusemtl lamp\nf 5 8 7 6\nusemtl wall\nf 1 5 6 2\n"
-#define BOX_SCENE                                                    \
-    "{ \"igi\": 1, \"name\": \"box\",\n  \"mesh\": \"scene.obj\",\n" \
-    "  \"cameras\": \"transforms.json\",\n  \"lights\": [\n    %s ],\n  \"regions\": {\n    %s }\n}\n"
+#define BOX_SCENE                                                                                \
+    "{ \"igi\": 1, \"name\": \"box\",\n  \"mesh\": \"scene.obj\",\n"                             \
+    "  \"cameras\": \"transforms.json\",\n  \"lights\": [\n    %s ],\n  \"regions\": {\n    %s " \
+    "}\n}\n"
 #define BOX_LIGHT "{ \"type\": \"area\", \"region\": \"lamp\", \"radiance\": [1, 2, 3] }"
 #define BOX_REGIONS "\"floor\": { \"textured\": true }, \"lamp\": { \"emitter\": true }"
 #define POSE "[[1,0,0,0.5],[0,1,0,0.5],[0,0,1,0.9],[0,0,0,1]]"

@@ -44,7 +44,9 @@ static const int two_residuals[] = {2};
 static void valley(void)
 {
     igi_context *ctx = test_context(1);
-    igi_least_squares p = {.parameter_count = 2, .block_count = 1, .block_sizes = two_residuals,
+    igi_least_squares p = {.parameter_count = 2,
+                           .block_count = 1,
+                           .block_sizes = two_residuals,
                            .residuals = rosenbrock};
     igi_least_squares_result result;
     double x[2] = {-1.2, 1}, covariance[4];
@@ -67,8 +69,12 @@ static void valley_in_bounds(void)
 {
     igi_context *ctx = test_context(1);
     const double lower[] = {-2, -2}, upper[] = {0.5, 2};
-    igi_least_squares p = {.parameter_count = 2, .block_count = 1, .block_sizes = two_residuals,
-                           .residuals = rosenbrock, .lower = lower, .upper = upper};
+    igi_least_squares p = {.parameter_count = 2,
+                           .block_count = 1,
+                           .block_sizes = two_residuals,
+                           .residuals = rosenbrock,
+                           .lower = lower,
+                           .upper = upper};
     igi_least_squares_result result;
     double x[2] = {-30, 30}; /* outside */
     CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, x, NULL, &result));
@@ -149,8 +155,11 @@ static void correlated_in_bounds(void)
                    0.01 * unit * (unit_random(&rng) - 0.5);
         }
         linear l = {2, a, y};
-        igi_least_squares p = {.parameter_count = 2, .block_count = ROWS,
-                               .residuals = linear_residual, .user = &l, .lower = low,
+        igi_least_squares p = {.parameter_count = 2,
+                               .block_count = ROWS,
+                               .residuals = linear_residual,
+                               .user = &l,
+                               .lower = low,
                                .upper = high};
         igi_least_squares_result result;
         CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, x, NULL, &result));
@@ -191,8 +200,8 @@ static void outliers(void)
 {
     igi_context *ctx = test_context(1);
     decay d = decay_with_outliers();
-    igi_least_squares p = {.parameter_count = 2, .block_count = 50, .residuals = decay_residual,
-                           .user = &d};
+    igi_least_squares p = {
+        .parameter_count = 2, .block_count = 50, .residuals = decay_residual, .user = &d};
     igi_least_squares_result result;
     double x[2] = {1, 0.5};
     CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, x, NULL, &result));
@@ -219,8 +228,11 @@ static void covariance_of_a_line(void)
         t1 += t, t2 += t * t;
     }
     linear l = {2, a, y};
-    igi_least_squares p = {.parameter_count = 2, .block_count = ROWS, .residuals = linear_residual,
-                           .user = &l, .residual_variance = 0.04};
+    igi_least_squares p = {.parameter_count = 2,
+                           .block_count = ROWS,
+                           .residuals = linear_residual,
+                           .user = &l,
+                           .residual_variance = 0.04};
     double x[2] = {0, 0}, c[4], det = ROWS * t2 - t1 * t1;
     igi_least_squares_result result;
     CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, x, c, &result));
@@ -261,8 +273,12 @@ static void covariance_with_outliers(void)
         y[b] = b < FAR ? (b % 2 ? 50 : -50) : 7 + (b % 2 ? 0.1 : -0.1);
     }
     linear l = {1, a, y};
-    igi_least_squares p = {.parameter_count = 1, .block_count = ROWS, .residuals = linear_residual,
-                           .user = &l, .loss_scale = 0.5, .residual_variance = 0.01};
+    igi_least_squares p = {.parameter_count = 1,
+                           .block_count = ROWS,
+                           .residuals = linear_residual,
+                           .user = &l,
+                           .loss_scale = 0.5,
+                           .residual_variance = 0.01};
     double x = 3, c;
     igi_least_squares_result result;
     CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, &x, &c, &result));
@@ -289,8 +305,11 @@ static void undetermined_directions(void)
         sum += c * c;
     }
     linear l = {4, a, y};
-    igi_least_squares p = {.parameter_count = 4, .block_count = ROWS, .residuals = linear_residual,
-                           .user = &l, .residual_variance = 1};
+    igi_least_squares p = {.parameter_count = 4,
+                           .block_count = ROWS,
+                           .residuals = linear_residual,
+                           .user = &l,
+                           .residual_variance = 1};
     double x[4] = {0.1, 0.2, 0, 5}, c[16];
     igi_least_squares_result result;
     CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, x, c, &result));
@@ -331,8 +350,8 @@ static void not_finite(void)
     igi_least_squares_result result;
     for (int f = NOT_A_NUMBER; f <= NOT_WRITTEN; f++) {
         fault which = (fault)f;
-        igi_least_squares p = {.parameter_count = 1, .block_count = 3, .residuals = faulty,
-                               .user = &which};
+        igi_least_squares p = {
+            .parameter_count = 1, .block_count = 3, .residuals = faulty, .user = &which};
         double x = 7, c;
         CHECK(igi_least_squares_solve(ctx, &p, &x, &c, &result) == IGI_E_NO_ANSWER);
         CHECK_CONTAINS(igi_context_message(ctx), "not finite");
@@ -340,8 +359,8 @@ static void not_finite(void)
     }
     for (int i = 0; i < 2; i++) {
         bool silently = i;
-        igi_least_squares p = {.parameter_count = 1, .block_count = 1, .residuals = logarithm,
-                               .user = &silently};
+        igi_least_squares p = {
+            .parameter_count = 1, .block_count = 1, .residuals = logarithm, .user = &silently};
         double x = 10;
         CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, &x, NULL, &result));
         CHECK_NEAR(x, 2, 1e-7);
@@ -354,8 +373,8 @@ static void nothing_to_fit(void)
 {
     igi_context *ctx = test_context(1);
     const double low[] = {0, -HUGE_VAL}, high[] = {1, HUGE_VAL};
-    igi_least_squares p = {.parameter_count = 2, .residuals = linear_residual, .lower = low,
-                           .upper = high};
+    igi_least_squares p = {
+        .parameter_count = 2, .residuals = linear_residual, .lower = low, .upper = high};
     double x[2] = {4, 4}, c[4];
     igi_least_squares_result result;
     CHECK_OK(ctx, igi_least_squares_solve(ctx, &p, x, c, &result));
@@ -369,8 +388,8 @@ static void wrong_calls(void)
     igi_context *ctx = test_context(1);
     const double one[] = {1, 1}, zero[] = {0, 0}, nan[] = {0, (double)NAN};
     const int empty[] = {1, 0};
-    const igi_least_squares good = {.parameter_count = 2, .block_count = 2,
-                                    .residuals = linear_residual};
+    const igi_least_squares good = {
+        .parameter_count = 2, .block_count = 2, .residuals = linear_residual};
     igi_least_squares wrong[8];
     for (int i = 0; i < 8; i++) wrong[i] = good;
     wrong[0].parameter_count = 0;
@@ -401,8 +420,11 @@ static igi_status solve_one(igi_context *worker, void *user, size_t index, int n
     (void)number;
     answer *a = (answer *)user + index;
     decay d = decay_with_outliers();
-    igi_least_squares p = {.parameter_count = 2, .block_count = 50, .residuals = decay_residual,
-                           .user = &d, .loss_scale = 0.05};
+    igi_least_squares p = {.parameter_count = 2,
+                           .block_count = 50,
+                           .residuals = decay_residual,
+                           .user = &d,
+                           .loss_scale = 0.05};
     igi_least_squares_result result;
     a->x[0] = 1, a->x[1] = 0.5;
     IGI_TRY(igi_least_squares_solve(worker, &p, a->x, a->covariance, &result));

@@ -136,7 +136,8 @@ static void types_and_values(void)
          "\"lights[0].direction\": has no length"},
         {"{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,1],\"cutoff_deg\":-4}",
          "\"lights[0].cutoff_deg\": is -4; give a half angle"},
-        {"{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,1],\"cutoff_deg\":4,\"beam_deg\":5}",
+        {"{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,1],\"cutoff_deg\":4,\"beam_"
+         "deg\":5}",
          "\"lights[0].beam_deg\": is 5; give a half angle from 0 to cutoff_deg"},
         {"{\"type\":\"line\",\"from\":[0,0,0],\"to\":[0,0,0]}", "are one point"},
         {"{\"type\":\"env\",\"image\":\"none.exr\"}",

@@ -322,19 +322,24 @@ static void ply(void)
 }
 
 /* One triangle, twice: as it is, and mirrored in x and moved by a node of material "red". */
-#define GLTF                                                                                             \
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"                       \
-    "\"nodes\":[{\"mesh\":0},{\"scale\":[-1,1,1],\"translation\":[10,0,0],\"children\":[2]},"            \
-    "{\"mesh\":1,\"translation\":[0,0,3]}],\"materials\":[{\"name\":\"white\"},{\"name\":\"red\"}],"     \
-    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"      \
-    "\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":2,"                 \
-    "\"material\":1}]}],\"buffers\":[{\"byteLength\":66,\"uri\":\"data:application/octet-stream;base64," \
-    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA+AAABAAIA\"}],"      \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"                 \
-    "\"byteLength\":24},{\"buffer\":0,\"byteOffset\":60,\"byteLength\":6}],"                             \
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","             \
-    "\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"count\":3,"             \
-    "\"type\":\"VEC2\"},{\"bufferView\":2,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}"
+#define GLTF                                                                                       \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"                 \
+    "\"nodes\":[{\"mesh\":0},{\"scale\":[-1,1,1],\"translation\":[10,0,0],\"children\":[2]},"      \
+    "{\"mesh\":1,\"translation\":[0,0,3]}],\"materials\":[{\"name\":\"white\"},{\"name\":\"red\"}" \
+    "],"                                                                                           \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":"  \
+    "2,"                                                                                           \
+    "\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":2,"           \
+    "\"material\":1}]}],\"buffers\":[{\"byteLength\":66,\"uri\":\"data:application/"               \
+    "octet-stream;base64,"                                                                         \
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"                             \
+    "AAAAAAAAAAAAAIA+AAABAAIA\"}],"                                                                \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"           \
+    "\"byteLength\":24},{\"buffer\":0,\"byteOffset\":60,\"byteLength\":6}],"                       \
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","       \
+    "\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"count\":3,"       \
+    "\"type\":\"VEC2\"},{\"bufferView\":2,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}" \
+    "]}"
 
 static void gltf(void)
 {
