@@ -15,7 +15,8 @@ typedef enum igi_method {
     IGI_METHOD_PATCHES, /* every patch gathers from every other; unseen ones are solved */
     IGI_METHOD_GATHER,  /* one shot: a few points a region gather from what the photographs show */
     IGI_METHOD_RADIOSITY, /* the classical dense (I - rho F) b = e on a coarse mesh */
-    IGI_METHOD_DIRECT     /* no interreflection */
+    IGI_METHOD_DIRECT,    /* no interreflection */
+    IGI_METHOD_YU99       /* the algorithm of 1999: radiosity with lobes, on a coarse mesh */
 } igi_method;
 
 IGI_API const char *igi_method_name(igi_method method);

@@ -59,7 +59,7 @@ static const option options[] = {
      "the scene's truth folder, with truth.json"},
     {"tolerance", 0, REAL, CLI_VALIDATE, AT(tolerance), "E", "0", 0, MANY,
      "exit with 1 when the mean albedo error is above it; a fraction, 0: never"},
-    {"method", 0, CHOICE, CLI_RECOVER, AT(method), "patches|gather|radiosity|direct", "patches", 0,
+    {"method", 0, CHOICE, CLI_RECOVER, AT(method), "patches|gather|radiosity|direct|yu99", "patches", 0,
      0, "how light between surfaces is reckoned"},
     {"model", 0, CHOICE, CLI_RECOVER, AT(model), "auto|lambert", "auto", 0, 0,
      "reflectance of the surfaces; auto is what the photographs ask for"},

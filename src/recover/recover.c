@@ -5,6 +5,7 @@
 #include "recover/compare.h"
 #include "recover/methods.h"
 #include "recover/specular.h"
+#include "recover/yu99.h"
 
 #include <string.h>
 
@@ -19,13 +20,14 @@ const char *igi_method_name(igi_method method)
     case IGI_METHOD_GATHER: return "gather";
     case IGI_METHOD_RADIOSITY: return "radiosity";
     case IGI_METHOD_DIRECT: return "direct";
+    case IGI_METHOD_YU99: return "yu99";
     }
     return "unknown";
 }
 
 bool igi_method_from_name(const char *name, igi_method *method)
 {
-    for (int m = IGI_METHOD_PATCHES; m <= IGI_METHOD_DIRECT; m++)
+    for (int m = IGI_METHOD_PATCHES; m <= IGI_METHOD_YU99; m++)
         if (strcmp(name, igi_method_name((igi_method)m)) == 0) {
             *method = (igi_method)m;
             return true;
@@ -45,6 +47,7 @@ static igi_method_fn method_function(igi_method method)
     case IGI_METHOD_GATHER: return igi_method_gather;
     case IGI_METHOD_RADIOSITY: return igi_method_radiosity;
     case IGI_METHOD_DIRECT: return igi_method_direct;
+    case IGI_METHOD_YU99: break; /* finds lobes too: igi_yu99_create */
     }
     return NULL;
 }
@@ -200,7 +203,10 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, size, &patches));
     IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, &o, &problem));
     IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
-    IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
+    if (o.method == IGI_METHOD_YU99)
+        IGI_TRY_GOTO(igi_yu99_create(ctx, problem, diffuse, &specular));
+    else
+        IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
     if (o.method == IGI_METHOD_PATCHES && o.model != IGI_LAMBERT)
         IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
     igi_lobe_view view;

@@ -74,7 +74,7 @@ expect 0 "" "$igi" report -q out
 [ -s out/report.html ] || fail "igi report writes no page"
 
 # Every method runs, and says which in the manifest.
-for method in patches gather radiosity direct; do
+for method in patches gather radiosity direct yu99; do
     expect 0 "" "$igi" recover -q room -o "by-$method" --method "$method"
     grep -q "\"method\": \"$method\"" "by-$method/manifest.json" || fail "manifest: no $method"
 done
