@@ -87,6 +87,22 @@ IGI_API IGI_MUST_USE igi_status igi_correct(igi_context *context,
                                             const igi_image *image, igi_image **corrected,
                                             igi_camera *camera);
 
+/* The forward direction, for tests of the whole chain: what a camera makes of light. */
+typedef struct igi_sensor {
+    double full_well_e, read_noise_e; /* electrons: at full scale, and of reading */
+    int bits; /* of its codes, 8..16; files have 8 or 16, filled from above */
+} igi_sensor;
+
+/* A photograph of `radiance`, an image as the lens throws it (distortion is the renderer's part):
+ * vignetting, exposure h = 1 / (the radiance that gives full scale), photon and read noise, clipping,
+ * the calibration's response if it has one (of as many levels as the file), codes. The exposure's
+ * numbers go into EXIF. */
+IGI_API IGI_MUST_USE igi_status igi_photograph(igi_context *context, const igi_image *radiance,
+                                               const igi_calibration *calibration,
+                                               const igi_sensor *sensor,
+                                               const igi_exposure *exposure, uint64_t seed,
+                                               igi_photo **photo);
+
 #ifdef __cplusplus
 }
 #endif

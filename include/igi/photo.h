@@ -31,6 +31,10 @@ IGI_API IGI_MUST_USE igi_status igi_photo_load(igi_context *context, const char 
 /* The same without pixels: codes is NULL; what the header does not state stays 0. */
 IGI_API IGI_MUST_USE igi_status igi_photo_probe(igi_context *context, const char *path,
                                                 igi_photo **photo);
+/* Writes a PNG of 8 or 16 bits with what the photograph knows of its exposure as EXIF; whole or not
+ * at all. */
+IGI_API IGI_MUST_USE igi_status igi_photo_save_png(igi_context *context, const igi_photo *photo,
+                                                   const char *path);
 IGI_API void igi_photo_destroy(igi_photo *photo);
 
 #ifdef __cplusplus

@@ -17,6 +17,13 @@ extern "C" {
 IGI_API IGI_MUST_USE igi_status igi_synth(igi_context *context, const char *spec_path,
                                           const char *folder);
 
+/* The same scene, but its photographs as a camera would have delivered them: photos/NNNN_E.png,
+ * brackets of five exposures (12 bits in 16, clipped, noisy, EXIF) behind a lens that distorts and
+ * shades; photos/flat_N.png, an evenly lit wall; photos/lens.json, the distortion. images/ stays
+ * empty: igi merge and igi correct fill it, and transforms.json is for what they write. */
+IGI_API IGI_MUST_USE igi_status igi_synth_photos(igi_context *context, const char *spec_path,
+                                                 const char *folder);
+
 #ifdef __cplusplus
 }
 #endif

@@ -19,7 +19,7 @@ typedef struct cli_values {
     double samples;
     double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;
-    bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance;
+    bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos;
 } cli_values;
 
 /* One bit a command, for the table of options. */

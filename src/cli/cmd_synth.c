@@ -28,7 +28,9 @@ static igi_status run(cli_session *s)
     }
     cli_progress_report(s, "reading the spec", 0);
     igi_status status = igi_output_begin(s->context, folder, s->values.force, spec, &output);
-    if (status == IGI_OK) status = igi_synth(s->context, spec, igi_output_folder(output));
+    if (status == IGI_OK)
+        status = (s->values.photos ? igi_synth_photos : igi_synth)(s->context, spec,
+                                                                   igi_output_folder(output));
     if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output));
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     igi_output_destroy(output);
@@ -38,6 +40,8 @@ static igi_status run(cli_session *s)
         fputs("{\"scene\": ", stdout);
         cli_print_json_string(folder);
         puts("}");
+    } else if (!s->values.quiet && s->values.photos) {
+        printf("%s: written; merge and correct photos/ into images/ (igi help merge)\n", folder);
     } else if (!s->values.quiet) {
         printf("%s: written; try igi recover %s -o %s.out\n", folder, folder, folder);
     }

@@ -53,6 +53,8 @@ static const option options[] = {
      "side of the board's squares"},
     {"flat", 0, FLAG, CLI_CALIBRATE, AT(flat), NULL, NULL, 0, 0,
      "the images show an evenly lit surface that fills the frame"},
+    {"photos", 0, FLAG, CLI_SYNTH, AT(photos), NULL, NULL, 0, 0,
+     "photographs as a camera delivers them: brackets, lens, noise"},
     {"calibration", 0, TEXT, CLI_CORRECT, AT(calibration), "FILE", NULL, 0, 0,
      "what igi calibrate wrote"},
     {"truth", 0, TEXT, CLI_VALIDATE, AT(truth), "FOLDER", NULL, 0, 0,

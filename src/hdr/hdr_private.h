@@ -5,10 +5,7 @@
 #ifndef IGI_SRC_HDR_PRIVATE_H
 #define IGI_SRC_HDR_PRIVATE_H
 
-#include <igi/hdr.h>
-
-/* h of an exposure. */
-double igi_hdr_exposure(const igi_exposure *exposure);
+#include "hdr/hdr.h"
 
 /* The content of the second photograph stands (x,y) pixels further right and down than in the
  * first. */

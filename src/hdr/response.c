@@ -138,15 +138,23 @@ static void add_pair(equations *e, const uint32_t *n, double log_ratio, double t
         }
 }
 
-/* Smoothness, and g = 0 in the middle; both small beside the data. */
+/* Smoothness, and g = 0 in the middle. Smooth is what bends little over u = ln(code): gammas are
+ * straight there. It has to be firm: exposures that are all a factor apart leave every ripple of
+ * just that period in ln(exposure) undetermined. */
+/* Codes are counted from here: sRGB-like curves have a straight foot. */
+#define U_OFFSET 8.0
+#define SMOOTHNESS 1e-4
 static void regularise(equations *e)
 {
-    double lambda = e->total / BINS;
     for (size_t z = 1; z + 1 < BINS; z++) {
-        static const double second[3] = {1, -2, 1};
+        double before = log(((double)z + U_OFFSET) / ((double)z - 1 + U_OFFSET));
+        double after = log(((double)z + 1 + U_OFFSET) / ((double)z + U_OFFSET));
+        double step = (before + after) / 2, w = sqrt(SMOOTHNESS * e->total * step);
+        const double second[3] = {w / (before * step), -w * (1 / before + 1 / after) / step,
+                                  w / (after * step)};
         for (size_t i = 0; i < 3; i++)
             for (size_t j = 0; j <= i; j++)
-                e->a[(z - 1 + i) * BINS + z - 1 + j] += lambda * second[i] * second[j];
+                e->a[(z - 1 + i) * BINS + z - 1 + j] += second[i] * second[j];
     }
     e->a[(BINS / 2) * (BINS + 1)] += e->total;
 }

@@ -5,6 +5,8 @@
  */
 #include "synth/synth.h"
 
+#include "synth/photos.h"
+
 #include "render/render.h"
 #include "scene/scene_parts.h"
 #include "scene/mesh.h"
@@ -19,6 +21,7 @@
 typedef struct maker {
     igi_context *ctx;
     const char *folder;
+    bool photos; /* images/ as a camera would have delivered them */
     spec spec;
     igi_scene *scene;
     igi_tracer *tracer;
@@ -77,6 +80,18 @@ static igi_status read_lights(maker *m)
                            &m->scene->light_count);
 }
 
+/* A camera's unit is its own: area lights are then to be read from the photographs. */
+static json_t *lights_to_tell(const maker *m)
+{
+    json_t *lights = json_deep_copy(m->spec.lights.value);
+    for (size_t i = 0; m->photos && i < json_array_size(lights); i++) {
+        json_t *light = json_array_get(lights, i);
+        const char *type = json_string_value(json_object_get(light, "type"));
+        if (type && strcmp(type, "area") == 0) json_object_del(light, "radiance");
+    }
+    return lights;
+}
+
 static igi_status write_manifest(const maker *m)
 {
     json_t *regions = json_object();
@@ -88,9 +103,9 @@ static igi_status write_manifest(const maker *m)
         if (material->emitter) bad |= json_object_set_new(o, "emitter", json_true());
         bad |= json_object_set_new(regions, m->scene->regions[i].name, o);
     }
-    json_t *root = json_pack("{si ss ss ss sO so}", "igi", 1, "name", m->spec.name, "mesh",
+    json_t *root = json_pack("{si ss ss ss so so}", "igi", 1, "name", m->spec.name, "mesh",
                              "scene.obj", "cameras", "transforms.json", "lights",
-                             m->spec.lights.value, "regions", regions);
+                             lights_to_tell(m), "regions", regions);
     char *path = NULL;
     igi_status status = bad || !root
                             ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
@@ -149,6 +164,22 @@ static igi_status save_pictures(const maker *m, const char *folder, igi_image **
     return IGI_OK;
 }
 
+static bool raw_photos(const maker *m, const char *folder)
+{
+    return m->photos && !folder[0];
+}
+
+static igi_status save_photos(const maker *m, const igi_camera *camera, igi_image **pictures,
+                              size_t count)
+{
+    char *path = NULL;
+    igi_status status = make_folder(m, "photos");
+    if (status == IGI_OK) status = path_in(m, "photos", &path);
+    if (status == IGI_OK) status = photos_save(m->ctx, path, camera, pictures, count);
+    igi_free(path);
+    return status;
+}
+
 /* Renders the frames into `folder` ("" or "NAME/"). */
 static igi_status take_pictures(maker *m, const char *folder, const view_set *views,
                                 const lit_by *by, const igi_camera *cameras, size_t count)
@@ -168,7 +199,8 @@ static igi_status take_pictures(maker *m, const char *folder, const view_set *vi
     igi_stage_begin(m->ctx, by->stage);
     IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed,
                                      pictures, NULL));
-    IGI_TRY_GOTO(save_pictures(m, folder, pictures, count));
+    IGI_TRY_GOTO(raw_photos(m, folder) ? save_photos(m, &cameras[0], pictures, count)
+                                       : save_pictures(m, folder, pictures, count));
 cleanup:
     for (size_t i = 0; pictures && i < count; i++) igi_image_destroy(pictures[i]);
     igi_free(pictures);
@@ -192,7 +224,10 @@ static igi_status make_views(maker *m, const char *folder, const view_set *views
     IGI_TRY_GOTO(views_choose(m->ctx, views, m->scene, m->tracer, &chosen, &count));
     IGI_TRY_GOTO(views_save(m->ctx, chosen, count, path));
     IGI_TRY_GOTO(igi_frames_load(m->ctx, path, &frames, &count));
-    for (size_t i = 0; i < count; i++) chosen[i] = frames[i].camera;
+    for (size_t i = 0; i < count; i++) {
+        chosen[i] = frames[i].camera;
+        if (raw_photos(m, folder)) photos_distort(&chosen[i]);
+    }
     IGI_TRY_GOTO(take_pictures(m, folder, views, by, chosen, count));
     if (cameras) {
         *cameras = chosen;
@@ -259,10 +294,10 @@ cleanup:
     return status;
 }
 
-igi_status igi_synth(igi_context *ctx, const char *spec_path, const char *folder)
+static igi_status synth(igi_context *ctx, const char *spec_path, const char *folder, bool photos)
 {
     igi_status status = IGI_OK;
-    maker m = {.ctx = ctx, .folder = folder};
+    maker m = {.ctx = ctx, .folder = folder, .photos = photos};
     IGI_TRY_GOTO(spec_load(ctx, spec_path, &m.spec));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &m.scene));
     IGI_TRY_GOTO(make_scene(&m));
@@ -272,4 +307,14 @@ cleanup:
     igi_scene_destroy(m.scene);
     spec_clear(&m.spec);
     return status;
+}
+
+igi_status igi_synth(igi_context *ctx, const char *spec_path, const char *folder)
+{
+    return synth(ctx, spec_path, folder, false);
+}
+
+igi_status igi_synth_photos(igi_context *ctx, const char *spec_path, const char *folder)
+{
+    return synth(ctx, spec_path, folder, true);
 }

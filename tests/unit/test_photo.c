@@ -80,6 +80,41 @@ static void png_of_16_bits(void)
     igi_context_destroy(ctx);
 }
 
+static void saved_with_exif(void)
+{
+    igi_context *ctx = test_context(1);
+    for (int levels = 256; levels <= 65536; levels *= 256) {
+        uint16_t codes[4 * 3 * 3];
+        igi_photo photo = {.width = 4,
+                           .height = 3,
+                           .channels = 3,
+                           .levels = levels,
+                           .codes = codes,
+                           .time_s = 1 / 59.,
+                           .f_number = 5.6,
+                           .iso = 400,
+                           .focal_mm = 35,
+                           .camera = "Test Camera"};
+        igi_photo *back = NULL;
+        for (int i = 0; i < 36; i++) codes[i] = (uint16_t)(i * (levels - 1) / 35);
+        CHECK_OK(ctx, igi_photo_save_png(ctx, &photo, "test_photo.png"));
+        CHECK_OK(ctx, igi_photo_load(ctx, "test_photo.png", &back));
+        if (!back) continue;
+        CHECK(back->levels == levels && memcmp(back->codes, codes, sizeof codes) == 0);
+        CHECK_NEAR(back->time_s, 1 / 59., 1e-8);
+        CHECK_NEAR(back->f_number, 5.6, 1e-6);
+        CHECK_NEAR(back->iso, 400, 0);
+        CHECK_NEAR(back->focal_mm, 35, 1e-6);
+        CHECK_STR(back->camera, "Test Camera");
+        igi_photo_destroy(back);
+    }
+    igi_photo none = {
+        .width = 1, .height = 1, .channels = 1, .levels = 256, .codes = (uint16_t[1]){0}};
+    CHECK(igi_photo_save_png(ctx, &none, "no/such/folder.png") == IGI_E_SYSTEM);
+    remove("test_photo.png");
+    igi_context_destroy(ctx);
+}
+
 static void write_tiff(const char *path, int bits, int samples, const void *rows)
 {
     TIFF *tiff = TIFFOpen(path, "w");
@@ -201,6 +236,6 @@ static void what_is_no_photograph_is_refused(void)
 }
 
 TEST_MAIN({"real_photographs", real_photographs}, {"png_of_16_bits", png_of_16_bits},
-          {"tiff_of_8_and_16_bits", tiff_of_8_and_16_bits},
+          {"saved_with_exif", saved_with_exif}, {"tiff_of_8_and_16_bits", tiff_of_8_and_16_bits},
           {"broken_files_are_survived", broken_files_are_survived}, {"png_suite", png_suite},
           {"what_is_no_photograph_is_refused", what_is_no_photograph_is_refused})
