@@ -12,8 +12,8 @@ extern "C" {
 #endif
 
 typedef enum igi_method {
-    IGI_METHOD_PATCHES, /* every patch gathers from every other; unseen ones are solved */
-    IGI_METHOD_GATHER,  /* one shot: a few points a region gather from what the photographs show */
+    IGI_METHOD_PATCHES,   /* every patch gathers from every other; unseen ones are solved */
+    IGI_METHOD_GATHER,    /* one shot: a few points a region gather from the photographs */
     IGI_METHOD_RADIOSITY, /* the classical dense (I - rho F) b = e on a coarse mesh */
     IGI_METHOD_DIRECT,    /* no interreflection */
     IGI_METHOD_YU99       /* the algorithm of 1999: radiosity with lobes, on a coarse mesh */
@@ -26,12 +26,12 @@ IGI_API bool igi_method_from_name(const char *name, igi_method *method);
 
 typedef struct igi_recover_options {
     size_t struct_size;
-    igi_method method; /* default IGI_METHOD_PATCHES */
-    double patch_m;    /* side of a patch, metres; 0: from the size of the room (default) */
-    int rays;          /* rays a patch (gather: a point); 0: default of the method */
-    int map_size; /* texels along the side of a textured region's map, 0: from the photographs */
-    int model;    /* IGI_ANY_MODEL (default): evidence decides for each region; or an
-                              igi_model: IGI_LAMBERT looks for no lobe, the others for that one */
+    igi_method method;    /* default IGI_METHOD_PATCHES */
+    double patch_m;       /* side of a patch, metres; 0: from the size of the room (default) */
+    int rays;             /* rays a patch (gather: a point); 0: default of the method */
+    int map_size;         /* texels along the side of a map; 0: as fine as the photographs */
+    int model;            /* IGI_ANY_MODEL (default): evidence decides for each region; or an
+                        * igi_model: IGI_LAMBERT looks for no lobe, the others for that one */
     double target_error;  /* relative, of a region's albedo; 0: the default accuracy */
     double time_budget_s; /* CPU seconds to aim at; 0: none */
 } igi_recover_options;

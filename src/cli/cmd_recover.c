@@ -18,6 +18,8 @@ static void set_options(const cli_values *values, igi_recover_options *options)
     igi_recover_options_init(options);
     bool known = igi_method_from_name(values->method, &options->method);
     (void)known; /* the table of options lets no other name through */
+    igi_model model;
+    if (igi_model_from_name(values->model, &model)) options->model = (int)model; /* else auto */
     options->patch_m = values->patch;
     options->rays = (int)values->rays;
     options->map_size = (int)values->map_size;
@@ -71,6 +73,14 @@ static double largest_share(const igi_material *m, int bands)
     return largest;
 }
 
+static bool has_lobes(const igi_materials *materials)
+{
+    bool lobes = false;
+    for (size_t i = 0; i < materials->count; i++)
+        lobes |= materials->materials[i].model != IGI_LAMBERT;
+    return lobes;
+}
+
 static void print_table(const igi_materials *materials, const char *output)
 {
     int width = 6;
@@ -79,8 +89,10 @@ static void print_table(const igi_materials *materials, const char *output)
         if (w > width) width = w;
     }
     int bands = materials->bands;
+    bool lobes = has_lobes(materials);
     cli_print_padded("region", width);
-    printf("  model    %-*s   1 sigma  observed  views\n", 7 * bands, "albedo");
+    printf("  model    %-*s   1 sigma%s  observed  views\n", 7 * bands, "albedo",
+           lobes ? "  specular   alpha" : "");
     for (size_t i = 0; i < materials->count; i++) {
         const igi_material *m = &materials->materials[i];
         if (m->emitter) continue;
@@ -90,6 +102,8 @@ static void print_table(const igi_materials *materials, const char *output)
         fputs("  ", stdout);
         if (m->determined) cli_print_percent(largest_share(m, bands), 10);
         else fputs("not seen  ", stdout);
+        if (lobes && m->model != IGI_LAMBERT) printf("  %8.4f  %6.4f", m->specular, m->alpha);
+        else if (lobes) printf("  %8s  %6s", "-", "-");
         printf("  %6.1f %%  %5d%s\n", 100 * m->observed, m->views,
                m->warning_count ? "  see the report" : "");
     }
