@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-#define CANDIDATES 40000 /* pixels of a region that are scored */
+#define CANDIDATES 40000 /* pixels of a region to choose from, at most */
 #define MAX_LAMP_SAMPLES 256
 #define LAMP_POINTS 4    /* places on each lamp that the score looks at */
 
@@ -61,20 +61,54 @@ static uint32_t side_of(const igi_problem *p, size_t observation)
            (igi_surface_is_back(surface) ? 1u : 0u);
 }
 
-/* Pixels of the region, thinned evenly to about CANDIDATES. */
-static igi_status find_candidates(igi_context *ctx, job *j)
+static uint32_t region_of(const igi_problem *p, size_t observation)
 {
-    const igi_problem *p = j->field->problem;
-    const igi_observations *o = p->observations;
-    size_t total = 0;
-    for (size_t i = 0; i < o->count; i++)
-        total += p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] == j->region;
-    size_t stride = total / CANDIDATES + 1, seen = 0;
-    IGI_TRY(IGI_ALLOC(ctx, total / stride + 1, &j->candidates));
-    for (size_t i = 0; i < o->count; i++) {
-        if (p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != j->region) continue;
-        if (seen++ % stride == 0) j->candidates[j->candidate_count++] = (uint32_t)i;
+    return p->scene->mesh.regions[igi_surface_triangle(p->observations->surface[observation])];
+}
+
+igi_status igi_candidates_create(igi_context *ctx, const igi_problem *problem,
+                                 igi_candidates *candidates)
+{
+    const igi_observations *o = problem->observations;
+    size_t regions = problem->scene->region_count, *total = NULL;
+    igi_status status = IGI_OK;
+    *candidates = (igi_candidates){NULL, NULL};
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 3 * regions, &total));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions + 1, &candidates->begin));
+    size_t *stride = total + regions, *seen = stride + regions;
+    for (size_t i = 0; i < o->count; i++) total[region_of(problem, i)]++;
+    for (size_t r = 0; r < regions; r++) {
+        stride[r] = total[r] / CANDIDATES + 1;
+        candidates->begin[r + 1] = candidates->begin[r] + (total[r] + stride[r] - 1) / stride[r];
     }
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, candidates->begin[regions], &candidates->observation));
+    for (size_t i = 0; i < o->count; i++) {
+        size_t r = region_of(problem, i), k = seen[r]++;
+        if (k % stride[r] == 0)
+            candidates->observation[candidates->begin[r] + k / stride[r]] = (uint32_t)i;
+    }
+cleanup:
+    igi_free(total);
+    if (status != IGI_OK) igi_candidates_clear(candidates);
+    return status;
+}
+
+void igi_candidates_clear(igi_candidates *candidates)
+{
+    igi_free(candidates->begin);
+    igi_free(candidates->observation);
+    *candidates = (igi_candidates){NULL, NULL};
+}
+
+/* The region's candidates, thinned to what is to be scored. */
+static igi_status take_candidates(igi_context *ctx, job *j)
+{
+    const igi_candidates *c = j->options.candidates;
+    size_t first = c->begin[j->region], total = c->begin[j->region + 1] - first;
+    size_t stride = total / j->options.scored + 1;
+    IGI_TRY(IGI_ALLOC(ctx, total / stride + 1, &j->candidates));
+    for (size_t i = 0; i < total; i += stride)
+        j->candidates[j->candidate_count++] = c->observation[first + i];
     return IGI_ALLOC(ctx, j->candidate_count + 1, &j->scores);
 }
 
@@ -105,16 +139,15 @@ static igi_status score_candidates(igi_context *ctx, void *user, size_t task, in
             float received = j->rows->direct[row * j->rows->lights + l] *
                              brightness(p->lights[l].value, p->bands);
             if (received <= 0) continue;
-            for (int k = 0; k < LAMP_POINTS; k++) {
-                igi_light_sample s;
-                float u = ((float)k + 0.5f) / LAMP_POINTS, w = (float)(k % 2) * 0.5f + 0.25f;
-                if (!igi_light_sample_toward(p->lighting, l, v.point, u, w, &s)) continue;
-                igi_vec in = igi_to_local(s.direction, v.normal);
-                for (int a = 0; a < 4; a++) {
-                    float scale, base;
-                    igi_lobe_terms(IGI_WARD, j->options.alphas[a], in, out, &scale, &base);
-                    j->scores[i][a] += scale * received / diffuse / LAMP_POINTS;
-                }
+            igi_light_sample samples[LAMP_POINTS];
+            const float start[2] = {0.5f, 0.5f};
+            size_t n = igi_light_sample_set(p->lighting, l, v.point, LAMP_POINTS, start, samples);
+            for (size_t k = 0; k < n; k++) {
+                igi_vec in = igi_to_local(samples[k].direction, v.normal);
+                float scale[4], base[4];
+                if (in.z <= 0) continue;
+                igi_lobe_terms_over(IGI_WARD, j->options.alphas, 4, in, out, scale, base);
+                for (int a = 0; a < 4; a++) j->scores[i][a] += scale[a] * received / diffuse / (float)n;
             }
         }
     }
@@ -154,7 +187,7 @@ static igi_status add_point(igi_context *ctx, job *j, size_t observation)
         size_t at = igi_observation_at(o, f, pixel);
         if (at == SIZE_MAX) continue;
         view v = view_of(p, at);
-        if (p->scene->mesh.regions[igi_surface_triangle(o->surface[at])] != j->region) continue;
+        if (region_of(p, at) != j->region) continue;
         float distance = igi_length(igi_sub(v.point, igi_camera_centre(camera)));
         float pixel_m = distance / (float)camera->fl_x / fmaxf(0.1f, igi_dot(v.out, v.normal));
         if (igi_length(igi_sub(v.point, seed.point)) > 1.5f * pixel_m) continue;
@@ -350,7 +383,7 @@ igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *fie
     j.out->bands = field->problem->bands;
     j.out->lobe_samples = options->lobe_samples;
     j.out->samples = options->lobe_samples + (int)rows->lights * options->lamp_samples;
-    IGI_TRY_GOTO(find_candidates(ctx, &j));
+    IGI_TRY_GOTO(take_candidates(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, (j.candidate_count + 1023) / 1024, score_candidates, &j));
     IGI_TRY_GOTO(choose(ctx, &j));
     IGI_TRY_GOTO(allocate_sets(ctx, &j));

@@ -35,7 +35,19 @@ typedef struct igi_highlights {
     float *incident;         /* [count][samples][bands] */
 } igi_highlights;
 
+/* Pixels of each region to choose from, thinned evenly: observation[begin[region]...]. */
+typedef struct igi_candidates {
+    size_t *begin; /* [regions + 1] */
+    uint32_t *observation;
+} igi_candidates;
+
+IGI_MUST_USE igi_status igi_candidates_create(igi_context *ctx, const igi_problem *problem,
+                                              igi_candidates *candidates);
+void igi_candidates_clear(igi_candidates *candidates);
+
 typedef struct igi_highlight_options {
+    const igi_candidates *candidates;
+    size_t scored;        /* at most so many candidates are looked at */
     size_t pixels;        /* about how many to choose */
     int lobe_samples;     /* directions from lobes, a multiple of 4 */
     int lamp_samples;     /* directions to each lamp */
@@ -47,8 +59,7 @@ typedef struct igi_highlight_options {
 /* Irradiance at an observation, per band. */
 typedef void (*igi_irradiance_fn)(const void *user, size_t observation, float *irradiance);
 
-/* rows: of the patches method, for the lamps' share of irradiance. frame_pixels: see
- * igi_pixel_index_create; needed per point only. */
+/* rows: of the patches method, for the lamps' share of irradiance. */
 IGI_MUST_USE igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *field,
                                               const igi_rows *rows, size_t region,
                                               const igi_highlight_options *options,

@@ -209,6 +209,12 @@ cleanup:
     return status;
 }
 
+/* Phong's lobe of the same width has twice the alpha. */
+static double highest_alpha(igi_model model)
+{
+    return model == IGI_PHONG ? 2 * IGI_FIT_ALPHA_HIGH : IGI_FIT_ALPHA_HIGH;
+}
+
 /* A fine table about e->alpha, shifted until the best lies inside of it. */
 static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model, igi_lobe_estimate *e)
 {
@@ -217,11 +223,11 @@ static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model, 
     double alphas[FINE], reach = pow(FINE_RATIO, FINE / 2);
     for (int attempt = 0; attempt < 4; attempt++) {
         igi_lobe_table_clear(&table);
-        double centre = fmax(IGI_FIT_ALPHA_LOW, fmin(IGI_FIT_ALPHA_HIGH, e->alpha));
+        double centre = fmax(IGI_FIT_ALPHA_LOW, fmin(highest_alpha(model), e->alpha));
         spread_alphas(centre / reach, centre * reach, FINE, alphas);
         IGI_TRY_GOTO(igi_lobe_table_create(ctx, f->h, model, alphas, FINE, &table));
         size_t at = settle(f, &table, e);
-        e->at_bound = e->alpha <= IGI_FIT_ALPHA_LOW || e->alpha >= IGI_FIT_ALPHA_HIGH;
+        e->at_bound = e->alpha <= IGI_FIT_ALPHA_LOW || e->alpha >= highest_alpha(model);
         if (e->at_bound || (at > 0 && at + 1 < FINE)) break;
     }
     for (size_t b = 0; b < f->bands; b++) e->albedo[b] = f->albedo[b];
@@ -236,7 +242,7 @@ static igi_status fit_coarsely(igi_context *ctx, igi_profile *f, igi_model model
 {
     double alphas[GRID];
     igi_lobe_table table;
-    spread_alphas(IGI_FIT_ALPHA_LOW, IGI_FIT_ALPHA_HIGH, GRID, alphas);
+    spread_alphas(IGI_FIT_ALPHA_LOW, highest_alpha(model), GRID, alphas);
     IGI_TRY(igi_lobe_table_create(ctx, f->h, model, alphas, GRID, &table));
     (void)settle(f, &table, e);
     igi_lobe_table_clear(&table);

@@ -22,7 +22,10 @@
 
 #define DEFAULT_RAYS 64
 #define MAX_SWEEPS 200
-#define SETTLED 1e-5 /* far below the noise; each sweep shrinks what is left by a third at least */
+/* Relative change of the unseen radiances at which the sweeps end. The albedos settle far sooner:
+ * by then they change by less than a millionth. */
+#define SETTLED 1e-3
+#define ALBEDO_COUNTS 1000
 
 typedef struct solver {
     const igi_problem *problem;
@@ -57,12 +60,13 @@ static double update_unseen(const solver *s, size_t row)
     return change;
 }
 
-/* One sweep of Gauss and Seidel; the largest change of an albedo, or relative of a radiance. */
+/* One sweep of Gauss and Seidel; the largest relative change of a radiance, or ALBEDO_COUNTS times
+ * that of an albedo. */
 static double sweep(const solver *s, igi_region_sums *sums)
 {
     const igi_rows *r = s->rows;
     for (size_t i = 0; i < r->seen_count; i++) gather_row(s, i);
-    double change = igi_region_sums_albedo(sums, &s->places, s->albedo);
+    double change = igi_region_sums_albedo(sums, &s->places, s->albedo) * ALBEDO_COUNTS;
     for (size_t i = r->seen_count; i < r->count; i++) {
         gather_row(s, i);
         change = fmax(change, update_unseen(s, i));

@@ -161,22 +161,24 @@ cleanup:
     return status;
 }
 
-/* Maps of what the regions are made of, and what they predict for a few photographs. */
+/* Maps of what the regions are made of, and what they predict for a few photographs. `known`: the
+ * irradiance where it is known already, or NULL. */
 static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_diffuse *diffuse,
-                       igi_recovery *recovery)
+                       igi_field *known, igi_recovery *recovery)
 {
     igi_status status = IGI_OK;
-    igi_field *field = NULL;
+    igi_field *made = NULL;
     igi_layout *layout = NULL;
     igi_stage_begin(ctx, "maps");
-    IGI_TRY_GOTO(igi_field_create(ctx, problem, diffuse, &field));
+    if (!known) IGI_TRY_GOTO(igi_field_create(ctx, problem, diffuse, &made));
+    igi_field *field = known ? known : made;
     IGI_TRY_GOTO(igi_layout_create(ctx, problem->scene, &layout));
     IGI_TRY_GOTO(igi_maps_create(ctx, problem, field, layout, recovery->materials));
     igi_stage_begin(ctx, "compare");
     IGI_TRY_GOTO(igi_compare(ctx, problem, field, layout, recovery));
 cleanup:
     igi_layout_destroy(layout);
-    igi_field_destroy(field);
+    igi_field_destroy(made);
     return status;
 }
 
@@ -214,7 +216,7 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     if (specular) problem->lobes = &view;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, specular, &r->materials));
-    IGI_TRY_GOTO(draw(ctx, problem, diffuse, r));
+    IGI_TRY_GOTO(draw(ctx, problem, diffuse, specular ? specular->irradiance : NULL, r));
     *recovery = r;
     r = NULL;
 cleanup:

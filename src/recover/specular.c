@@ -10,14 +10,16 @@
 #include <string.h>
 
 #define SIDES_A_TASK 64
-/* What a lobe must gain in -2 ln likelihood: in all, and of every residual. Measured: on surfaces
- * without a lobe, errors of the irradiance feign up to .03 of a residual (office); the faintest true
- * lobe of the test rooms gains .2. */
+/* What a lobe must gain in -2 ln likelihood: in all, and of every residual; less once the other
+ * lobes' light is out of the way. On surfaces without a lobe, errors of the irradiance feign up to
+ * .03 of a residual at first; the faintest true lobe of the cubical room gains .2, then .05. */
 #define MIN_GAIN 20
-#define MIN_SHARE 0.03
+#define SEARCH_SHARE 0.04
+#define KEEP_SHARE 0.04
 #define MIN_SIGMAS 4
+#define HINT_SHARE 0.015
 #define MODEL_GAIN 10
-#define MODEL_SHARE 0.01
+#define MODEL_SHARE 0.02
 #define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
 #define RECEIVED_SAMPLES 16 /* rays of a row that look for lobes */
 
@@ -135,11 +137,20 @@ typedef struct stage {
     const igi_diffuse *diffuse;
     igi_field *irradiance;
     igi_specular *specular;
+    igi_candidates candidates;
 } stage;
 
 static bool is_per_point(const igi_problem *p, size_t region)
 {
     return p->scene->regions[region].textured == IGI_YES;
+}
+
+/* A later model must be better by more than the noise of such differences; and a lobe that ran into
+ * an end of what is looked for is none. */
+static bool is_better(const igi_lobe_estimate *later, const igi_lobe_estimate *best)
+{
+    if (later->at_bound != best->at_bound) return best->at_bound;
+    return later->deviance < best->deviance - MODEL_GAIN - MODEL_SHARE * later->residuals;
 }
 
 /* The best of the given models on one choice of highlights. */
@@ -154,16 +165,15 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
     double near_alpha = best->alpha;
     irradiance_source source = {p, s->irradiance};
     options.per_point = is_per_point(p, region);
+    options.candidates = &s->candidates;
     IGI_TRY_GOTO(igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options,
                                        irradiance_at, &source, &h));
     for (size_t i = 0; i < count; i++) {
         double start = before == IGI_LAMBERT ? 0 : near_alpha;
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
-        if (before == IGI_WARD && models[i] == IGI_PHONG) start = fmin(0.45, 2 * near_alpha);
+        if (before == IGI_WARD && models[i] == IGI_PHONG) start = 2 * near_alpha;
         IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], start, &found));
-        /* a model that is not the first must be better by more than the noise of such differences */
-        double margin = i == 0 ? 0 : MODEL_GAIN + MODEL_SHARE * found.residuals;
-        if (i == 0 || found.deviance < best->deviance - margin) *best = found;
+        if (i == 0 || is_better(&found, best)) *best = found;
     }
 cleanup:
     igi_highlights_destroy(h);
@@ -172,16 +182,22 @@ cleanup:
 
 /* Is the lobe asked for? It must gain far more likelihood than chance gives (BIC), more than errors
  * of the irradiance could feign (a share of every residual), and have a width of its own. */
-static bool is_earned(const igi_lobe_estimate *e)
+static bool is_earned(const igi_lobe_estimate *e, double share)
 {
     double gain = e->plain_deviance - e->deviance;
-    return gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) && gain > MIN_SHARE * e->residuals &&
+    return gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) && gain > share * e->residuals &&
            !e->at_bound && e->specular > MIN_SIGMAS * e->specular_std;
 }
 
-static void take_lobe(igi_lobe *lobe, igi_lobe_estimate *e, int bands)
+/* Is it worth a closer look? */
+static bool is_hinted(const igi_lobe_estimate *e)
 {
-    bool earned = is_earned(e);
+    return e->plain_deviance - e->deviance > HINT_SHARE * e->residuals;
+}
+
+static void take_lobe(igi_lobe *lobe, igi_lobe_estimate *e, double share, int bands)
+{
+    bool earned = is_earned(e, share);
     if (!earned) e->model = IGI_LAMBERT;
     lobe->model = e->model;
     lobe->alpha = (float)e->alpha;
@@ -205,14 +221,26 @@ static size_t allowed_models(const igi_problem *p, igi_model models[3])
 static igi_status search_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    igi_highlight_options options = {.pixels = 1200, .lobe_samples = 32, .lamp_samples = 64,
-                                     .lamp_tests = 8, .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
+    igi_highlight_options options = {.scored = 4000, .pixels = 300, .lobe_samples = 16,
+                                     .lamp_samples = 32, .lamp_tests = 4,
+                                     .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
     igi_model models[3];
-    (void)allowed_models(p, models);
+    size_t allowed = allowed_models(p, models);
+    if (allowed > 2) allowed = 2; /* Phong's lobe is like enough to Ward's to be found by it */
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
+        igi_lobe_estimate *e = &s->specular->estimates[r];
         IGI_TRY(fit_region(ctx, s, r, options, models, 1));
-        take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], p->bands);
+        if (is_hinted(e)) {
+            igi_highlight_options closer = options;
+            closer.scored = 20000;
+            closer.pixels = 1200;
+            closer.lobe_samples = 32;
+            closer.lamp_samples = 64;
+            e->model = IGI_LAMBERT; /* the hint is no start: look everywhere again */
+            IGI_TRY(fit_region(ctx, s, r, closer, models, allowed));
+        }
+        take_lobe(&s->specular->lobes[r], e, SEARCH_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
     return IGI_OK;
@@ -227,7 +255,8 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         float a = s->specular->lobes[r].alpha;
-        igi_highlight_options options = {.pixels = 1000, .lobe_samples = 64, .lamp_samples = 64,
+        igi_highlight_options options = {.scored = 40000, .pixels = 1000, .lobe_samples = 64,
+                                         .lamp_samples = 64,
                                          .lamp_tests = 8,
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
         if (allowed > 1) IGI_TRY(fit_region(ctx, s, r, options, models, allowed));
@@ -235,7 +264,7 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
         options.pixels = 4000;
         options.lamp_samples = 96;
         IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
-        take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], p->bands);
+        take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], KEEP_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
     return IGI_OK;
@@ -281,20 +310,26 @@ static igi_status run(igi_context *ctx, const igi_problem *p, igi_diffuse *diffu
 {
     igi_status status = IGI_OK;
     igi_radiance_field field = {p, diffuse->radiance, total, NULL};
-    stage st = {&field, diffuse, NULL, s};
+    stage st = {&field, diffuse, NULL, s, {NULL, NULL}};
+    IGI_TRY_GOTO(igi_candidates_create(ctx, p, &st.candidates));
     for (uint64_t round = 0; round < 2; round++) {
         igi_stage_begin(ctx, round == 0 ? "search lobes" : "refine lobes");
         set_total(p, diffuse, &s->correction, total);
         IGI_TRY_GOTO(igi_field_create(ctx, p, diffuse, &st.irradiance));
         IGI_TRY_GOTO(round == 0 ? search_lobes(ctx, &st) : refine_lobes(ctx, &st));
+        if (round == 0 && !any_lobe(s, p->scene->region_count)) {
+            s->irradiance = st.irradiance; /* nothing will change it */
+            st.irradiance = NULL;
+            break;
+        }
         igi_field_destroy(st.irradiance);
         st.irradiance = NULL;
-        if (round == 0 && !any_lobe(s, p->scene->region_count)) break;
         igi_stage_begin(ctx, "correct");
         field.lobes = s->lobes;
         IGI_TRY_GOTO(correct(ctx, &field, diffuse, s, round));
     }
 cleanup:
+    igi_candidates_clear(&st.candidates);
     igi_field_destroy(st.irradiance);
     return status;
 }
@@ -333,6 +368,7 @@ igi_lobe_view igi_specular_view(const igi_specular *specular, const igi_diffuse 
 void igi_specular_destroy(igi_specular *specular)
 {
     if (!specular) return;
+    igi_field_destroy(specular->irradiance);
     igi_free(specular->estimates);
     igi_free(specular->lobes);
     igi_free(specular->correction.seen);

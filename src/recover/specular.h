@@ -6,6 +6,7 @@
 #ifndef IGI_SRC_RECOVER_SPECULAR_H
 #define IGI_SRC_RECOVER_SPECULAR_H
 
+#include "recover/field.h"
 #include "recover/incident.h"
 #include "recover/lobe_fit.h"
 #include "recover/lobe_view.h"
@@ -14,6 +15,7 @@ typedef struct igi_specular {
     igi_lobe_estimate *estimates; /* [regions]; model IGI_LAMBERT: no lobe */
     igi_lobe *lobes;              /* [regions] the same for rendering */
     igi_correction correction;    /* what was taken out of the diffuse half */
+    igi_field *irradiance;        /* where no lobe was found: the irradiance, which maps can use */
 } igi_specular;
 
 /* Fits lobes to what the patches method has found, takes their light out of the diffuse solution
