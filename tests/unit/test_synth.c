@@ -113,7 +113,7 @@ static double mean_of(igi_context *ctx, const char *path)
     igi_image *image = NULL;
     double sum = 0;
     CHECK_OK(ctx, igi_image_load_exr(ctx, path, &image));
-    if (!image) return NAN;
+    if (!image) return -1;
     size_t count = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
     for (size_t i = 0; i < count; i++) sum += (double)image->samples[i] / (double)count;
     igi_image_destroy(image);
