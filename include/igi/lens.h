@@ -81,7 +81,8 @@ IGI_API double igi_vignetting_at(const igi_vignetting *vignetting, double x, dou
 
 /* Undoes vignetting and distortion, resampling once (bicubic, without overshoot). Channels named
  * "variance.*" are carried along as variances, "saturated" as a mask. *camera, if not NULL,
- * becomes the pinhole that the result shows: the calibration's without distortion. */
+ * becomes the pinhole that the result shows: the calibration's without distortion. Pixels that the
+ * photograph does not reach are NaN, which recovery leaves out. */
 IGI_API IGI_MUST_USE igi_status igi_correct(igi_context *context,
                                             const igi_calibration *calibration,
                                             const igi_image *image, igi_image **corrected,

@@ -89,8 +89,11 @@ static igi_status correct_row(igi_context *ctx, void *user, size_t row, int work
         double x = column + .5, y = (double)row + .5, wx[4], wy[4], weights[4][4], gains[4][4];
         size_t at[4][4];
         if (j->calibration->has_lens && (!igi_camera_project(lens, p, &x, &y) ||
-                                         !(x >= 0 && y >= 0 && x <= width && y <= height)))
-            continue; /* the photograph does not reach there: black */
+                                         !(x >= 0 && y >= 0 && x <= width && y <= height))) {
+            /* The photograph does not reach there, which black would not say. */
+            for (int c = 0; c < j->out->channels; c++) to[c] = NAN;
+            continue;
+        }
         int x0 = (int)floor(x - .5), y0 = (int)floor(y - .5);
         cubic_weights(x - .5 - x0, wx);
         cubic_weights(y - .5 - y0, wy);

@@ -66,14 +66,24 @@ static bool is_kept(const job *j, size_t frame, uint32_t pixel)
     return (uint32_t)igi_hash64((uint64_t)frame << 32 | pixel) < j->keep_below;
 }
 
+/* The channel in which igi merge marks what even the shortest exposure saw saturated; -1: none. */
+static int saturation_channel(const igi_image *image)
+{
+    for (int c = 0; c < image->channels; c++)
+        if (strcmp(image->names[c], "saturated") == 0) return c;
+    return -1;
+}
+
 static void collect(const job *j, size_t frame, const igi_image *image, const igi_visible *visible)
 {
     frame_pixels *f = &j->frames[frame];
     int bands = j->scene->bands;
     float lowest = -NEGATIVE_SHARE * fmaxf(0, mean_of_finite(image, bands));
     uint32_t pixels = (uint32_t)(image->width * image->height);
+    int saturated = saturation_channel(image);
     for (uint32_t i = 0; i < pixels; i++) {
         const float *radiance = image->samples + (size_t)i * (size_t)image->channels;
+        if (saturated >= 0 && !(radiance[saturated] <= 0)) continue; /* NaN: beyond the lens */
         if (is_broken(radiance, bands, lowest)) {
             if (f->broken++ == 0) f->first_broken = i;
             continue;

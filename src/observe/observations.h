@@ -36,8 +36,8 @@ typedef struct igi_observations {
 } igi_observations;
 
 /* Reads every photograph of the scene once, finds what each pixel shows, and leaves out pixels near
- * edges, pixels that show nothing, and pixels that are not finite or clearly negative (with a
- * warning that names the first). Of more than `limit` pixels an even share is kept (0: 8 million).
+ * edges, pixels that show nothing, pixels that a merge marks as saturated, and pixels that are not
+ * finite or clearly negative (with a warning that names the first). Of more than `limit` pixels an even share is kept (0: 8 million).
  * IGI_E_DATA when a photograph has no usable pixel because its camera sees no surface, or too many
  * of its pixels are broken. */
 IGI_MUST_USE igi_status igi_observe(igi_context *ctx, const igi_scene *scene,

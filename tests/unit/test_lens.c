@@ -307,6 +307,11 @@ static void corrected_images(void)
     CHECK(variance > .3 && variance < 1.05); /* interpolation averages; V is near 1 here */
     CHECK(wrong_mask == 0);
     igi_image_destroy(got);
+    /* A pincushion's pinhole sees more than the photograph. */
+    c->lens.k1 = .2, c->lens.k2 = c->lens.k3 = 0;
+    CHECK_OK(ctx, igi_correct(ctx, c, photo, &got, NULL));
+    if (got) CHECK(isnan(got->samples[0]) && !isnan(got->samples[(90 * 240 + 120) * 3]));
+    igi_image_destroy(got);
     /* Without a lens and vignetting nothing changes, not by a bit. */
     c->has_lens = c->vignetting.known = false;
     CHECK_OK(ctx, igi_correct(ctx, c, photo, &got, NULL));
