@@ -226,7 +226,8 @@ static igi_status make_map(igi_context *ctx, void *user, size_t index, int worke
         size = p->options->map_size;
         if (size <= 0) IGI_TRY(fine_size(ctx, j, region, &size));
         IGI_TRY_GOTO(igi_texels_create(ctx, size, p->bands, r->has_uvs && r->uvs_wrap, &texels));
-        igi_texels_add_pixels(&texels, p, j->field, j->layout, &j->sides, region);
+        IGI_TRY_GOTO(
+            igi_texels_add_pixels(ctx, &texels, p, j->field, j->layout, &j->sides, region));
     } else {
         size = plain_size(j, region);
         IGI_TRY_GOTO(igi_texels_create(ctx, size, p->bands, r->has_uvs && r->uvs_wrap, &texels));

@@ -17,6 +17,8 @@ typedef struct igi_texels {
     float *received;     /* [size][size][bands] w E */
     float *ratio2;       /* w (reflected / received)^2, bands summed before the ratio */
     float *received_var; /* w (relative standard deviation of E)^2 */
+    size_t pixel_count;
+    float *pixels; /* [pixel_count][3 + 2 bands] x, y, w, pi L, E of each pixel, or NULL */
 } igi_texels;
 
 IGI_MUST_USE igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps,
@@ -34,10 +36,21 @@ IGI_MUST_USE igi_status igi_find_texture(igi_context *ctx, const igi_problem *pr
                                          const igi_field *field, const igi_region_sides *sides,
                                          uint32_t region, bool *textured);
 
-/* Adds every observation of the region. */
-void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
-                           const igi_layout *layout, const igi_region_sides *sides,
-                           uint32_t region);
+/* The four texels about a place, and its bilinear weights among them. */
+typedef struct igi_taps {
+    float weight[4];
+    size_t texel[4];
+} igi_taps;
+
+void igi_taps_at(const igi_texels *texels, float x, float y, igi_taps *taps);
+
+/* Adds every observation of the region, and sharpens what comes out. */
+IGI_MUST_USE igi_status igi_texels_add_pixels(igi_context *ctx, igi_texels *texels,
+                                              const igi_problem *problem, const igi_field *field,
+                                              const igi_layout *layout,
+                                              const igi_region_sides *sides, uint32_t region);
+/* Sharpens the sums' ratio by the pixels that were kept. */
+IGI_MUST_USE igi_status igi_texels_sharpen(igi_context *ctx, igi_texels *texels);
 /* Adds the means of the region's patches: for maps whose texels are no smaller. */
 void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, const igi_field *field,
                             const igi_layout *layout, const igi_region_sides *sides,

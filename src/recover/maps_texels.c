@@ -18,10 +18,12 @@
 #define SITES_A_SIDE 8
 /* Share of the difference between neighbours that a texel's error is made of (measured on rooms
  * with known textures). */
-#define BLUR 0.4f
+#define BLUR 0.25f
 #define DARK_SHARE 0.02
 /* A pixel that is half highlight counts for a fifth. */
 #define HIGHLIGHT_PENALTY 16
+/* Pixels of a region are kept for sharpening up to this; of more, there are many in each texel. */
+#define KEPT_BYTES ((size_t)48 << 20)
 
 igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, igi_texels *texels)
 {
@@ -47,6 +49,7 @@ void igi_texels_clear(igi_texels *texels)
     igi_free(texels->received);
     igi_free(texels->ratio2);
     igi_free(texels->received_var);
+    igi_free(texels->pixels);
     *texels = (igi_texels){0};
 }
 
@@ -81,24 +84,25 @@ static void add_to_texel(igi_texels *t, size_t texel, float w, const sample *s)
     }
 }
 
-static int wrap_index(int i, int size, bool wraps)
-{
-    if (wraps) return i < 0 ? i + size : i >= size ? i - size : i;
-    return i < 0 ? 0 : i >= size ? size - 1 : i;
-}
-
 static void splat(igi_texels *t, float x, float y, float weight, const sample *s)
 {
-    x -= 0.5f;
-    y -= 0.5f;
-    int i = (int)floorf(x), j = (int)floorf(y);
-    float fx = x - (float)i, fy = y - (float)j;
-    for (int k = 0; k < 4; k++) {
-        float w = weight * (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy);
-        if (!(w > 0)) continue;
-        int column = wrap_index(i + k % 2, t->size, t->wraps);
-        int line = wrap_index(j + k / 2, t->size, t->wraps);
-        add_to_texel(t, (size_t)(line * t->size + column), w, s);
+    igi_taps taps;
+    igi_taps_at(t, x, y, &taps);
+    for (int k = 0; k < 4; k++)
+        if (weight * taps.weight[k] > 0) add_to_texel(t, taps.texel[k], weight * taps.weight[k], s);
+}
+
+/* Keeps the pixel for sharpening. */
+static void keep(igi_texels *t, float x, float y, float weight, const sample *s)
+{
+    size_t bands = (size_t)t->bands;
+    float *to = t->pixels + t->pixel_count++ * (3 + 2 * bands);
+    to[0] = x;
+    to[1] = y;
+    to[2] = weight;
+    for (size_t b = 0; b < bands; b++) {
+        to[3 + b] = IGI_PIF * s->radiance[b];
+        to[3 + bands + b] = s->irradiance[b];
     }
 }
 
@@ -144,32 +148,44 @@ static float without_lobe(const igi_problem *problem, size_t observation, size_t
     return 1 / (1 + HIGHLIGHT_PENALTY * share * share);
 }
 
-void igi_texels_add_pixels(igi_texels *texels, const igi_problem *problem, const igi_field *field,
-                           const igi_layout *layout, const igi_region_sides *sides, uint32_t region)
+static void add_pixels_of_side(igi_texels *texels, const igi_problem *problem,
+                               const igi_field *field, const igi_layout *layout, uint32_t side)
 {
     const igi_observations *o = problem->observations;
-    for (size_t k = sides->begin[region]; k < sides->begin[region + 1]; k++) {
-        uint32_t side = sides->sides[k];
-        float std = igi_field_std(field, side), texel = 0;
-        uint32_t triangle = IGI_NO_HIT;
-        size_t frame = 0;
-        for (size_t n = problem->site_begin[side]; n < problem->site_begin[side + 1]; n++) {
-            size_t i = problem->order[n];
-            float u = o->uv[2 * i], v = o->uv[2 * i + 1], x, y, irradiance[IGI_MAX_BANDS];
-            while (i >= o->frame_begin[frame + 1]) frame++;
-            if (igi_surface_triangle(o->surface[i]) != triangle) {
-                triangle = igi_surface_triangle(o->surface[i]);
-                texel = texel_side(layout, triangle, texels->size);
-            }
-            float share = texel / fmaxf(igi_footprint(problem, frame, o->surface[i], u, v), 1e-9f);
-            igi_field_irradiance(field, o->surface[i], u, v, irradiance);
-            igi_layout_place(layout, triangle, u, v, texels->size, &x, &y);
-            float weight = fminf(1, share * share), radiance[IGI_MAX_BANDS];
-            weight *= without_lobe(problem, i, frame, radiance);
-            sample s = make_sample(texels, radiance, irradiance, std);
-            splat(texels, x, y, weight, &s);
+    float std = igi_field_std(field, side), texel = 0;
+    uint32_t triangle = IGI_NO_HIT;
+    size_t frame = 0;
+    for (size_t n = problem->site_begin[side]; n < problem->site_begin[side + 1]; n++) {
+        size_t i = problem->order[n];
+        float u = o->uv[2 * i], v = o->uv[2 * i + 1], x, y, irradiance[IGI_MAX_BANDS];
+        while (i >= o->frame_begin[frame + 1]) frame++;
+        if (igi_surface_triangle(o->surface[i]) != triangle) {
+            triangle = igi_surface_triangle(o->surface[i]);
+            texel = texel_side(layout, triangle, texels->size);
         }
+        float share = texel / fmaxf(igi_footprint(problem, frame, o->surface[i], u, v), 1e-9f);
+        float weight = fminf(1, share * share), radiance[IGI_MAX_BANDS];
+        weight *= without_lobe(problem, i, frame, radiance);
+        igi_field_irradiance(field, o->surface[i], u, v, irradiance);
+        igi_layout_place(layout, triangle, u, v, texels->size, &x, &y);
+        sample s = make_sample(texels, radiance, irradiance, std);
+        splat(texels, x, y, weight, &s);
+        if (texels->pixels) keep(texels, x, y, weight, &s);
     }
+}
+
+igi_status igi_texels_add_pixels(igi_context *ctx, igi_texels *texels, const igi_problem *problem,
+                                 const igi_field *field, const igi_layout *layout,
+                                 const igi_region_sides *sides, uint32_t region)
+{
+    size_t begin = sides->begin[region], end = sides->begin[region + 1], pixels = 0;
+    size_t stride = 3 + 2 * (size_t)texels->bands;
+    for (size_t k = begin; k < end; k++) pixels += igi_problem_seen_count(problem, sides->sides[k]);
+    if (pixels * stride * sizeof(float) <= KEPT_BYTES)
+        IGI_TRY(IGI_ALLOC(ctx, pixels * stride, &texels->pixels));
+    for (size_t k = begin; k < end; k++)
+        add_pixels_of_side(texels, problem, field, layout, sides->sides[k]);
+    return igi_texels_sharpen(ctx, texels);
 }
 
 void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, const igi_field *field,

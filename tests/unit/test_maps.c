@@ -227,8 +227,8 @@ static void checkered_floor(void)
     CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials));
     CHECK(w->list[0].textured && !w->list[1].map);
     CHECK(w->list[0].map->width == 64 && w->list[0].map->channels == 2);
-    /* Half of the texels lie at the rim of a square of 4 x 4 and take part of the next one. */
-    CHECK(share_off(w, checkers, 0.03, &determined) < 0.77);
+    /* 12 of the 16 texels of a square lie at its rim; sharpening gets half of them right. */
+    CHECK(share_off(w, checkers, 0.03, &determined) < 0.45);
     CHECK(share_off(w, checkers, 0.40, &determined) < 0.02);
     CHECK(determined > 0.9);
     CHECK_NEAR(w->list[0].albedo[0], 0.5, 0.005);
