@@ -124,7 +124,7 @@ cleanup:
 igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
 {
     int rays = problem->options->rays ? problem->options->rays : DEFAULT_RAYS;
-    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 4 : 1};
+    igi_gather_options options = {.rays = rays, .light_points = rays > 4 ? rays / 5 : 1};
     igi_sites sites = igi_problem_sites(problem);
     igi_stage_begin(ctx, "gather");
     IGI_TRY(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,

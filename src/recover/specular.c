@@ -17,7 +17,7 @@
 #define SEARCH_SHARE 0.04
 #define KEEP_SHARE 0.04
 #define MIN_SIGMAS 4
-#define HINT_SHARE 0.015
+#define HINT_SHARE 0.03
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
 #define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
