@@ -133,8 +133,8 @@ static void ward_over(const float *alphas, size_t count, igi_vec in, igi_vec out
     }
 }
 
-void igi_lobe_terms_over(igi_model model, const float *alphas, size_t count, igi_vec in, igi_vec out,
-                         float *scale, float *base)
+void igi_lobe_terms_over(igi_model model, const float *alphas, size_t count, igi_vec in,
+                         igi_vec out, float *scale, float *base)
 {
     if (model == IGI_WARD && in.z > 0 && out.z > 0) {
         ward_over(alphas, count, in, out, scale);

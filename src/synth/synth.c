@@ -104,8 +104,8 @@ static igi_status write_manifest(const maker *m)
         bad |= json_object_set_new(regions, m->scene->regions[i].name, o);
     }
     json_t *root = json_pack("{si ss ss ss so so}", "igi", 1, "name", m->spec.name, "mesh",
-                             "scene.obj", "cameras", "transforms.json", "lights",
-                             lights_to_tell(m), "regions", regions);
+                             "scene.obj", "cameras", "transforms.json", "lights", lights_to_tell(m),
+                             "regions", regions);
     char *path = NULL;
     igi_status status = bad || !root
                             ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
