@@ -32,8 +32,9 @@ typedef struct igi_recover_options {
     int map_size;         /* texels along the side of a map; 0: as fine as the photographs */
     int model;            /* IGI_ANY_MODEL (default): evidence decides for each region; or an
                         * igi_model: IGI_LAMBERT looks for no lobe, the others for that one */
-    double target_error;  /* relative, of a region's albedo; 0: the default accuracy */
-    double time_budget_s; /* CPU seconds to aim at; 0: none */
+    double target_error;  /* aimed at: mean over regions of the relative standard deviation of albedo
+                             (patches only); 0: the default accuracy */
+    double time_budget_s; /* CPU seconds that the diffuse solution may take in all; 0: no limit */
 } igi_recover_options;
 
 IGI_API void igi_recover_options_init(igi_recover_options *options);

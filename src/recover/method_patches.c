@@ -21,6 +21,9 @@
 #include "recover/region_sums.h"
 
 #define DEFAULT_RAYS 64
+#define FEWEST_RAYS 8
+#define MOST_RAYS 1024
+#define DARK_ALBEDO 0.02 /* errors of darker surfaces are judged as if they were this bright */
 #define MAX_SWEEPS 200
 /* Relative change of the unseen radiances at which the sweeps end. The albedos settle far sooner:
  * by then they change by less than a millionth. */
@@ -121,14 +124,45 @@ cleanup:
     return status;
 }
 
-igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
+static igi_status gather_and_solve(igi_context *ctx, const igi_problem *problem, int rays,
+                                   igi_diffuse *diffuse)
 {
-    int rays = problem->options->rays ? problem->options->rays : DEFAULT_RAYS;
     igi_gather_options options = {.rays = rays, .light_points = rays > 4 ? rays / 5 : 1};
     igi_sites sites = igi_problem_sites(problem);
+    igi_rows_destroy(diffuse->rows);
+    diffuse->rows = NULL;
     igi_stage_begin(ctx, "gather");
     IGI_TRY(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,
                             problem->lighting, &sites, &options, &diffuse->rows));
     igi_stage_begin(ctx, "solve");
     return igi_patches_solve(ctx, problem, NULL, diffuse);
+}
+
+/* Mean over the determined regions of the albedo's relative standard deviation. */
+static double stated_error(const igi_problem *p, const igi_diffuse *d)
+{
+    double sum = 0, n = 0;
+    for (size_t r = 0; r < p->scene->region_count; r++)
+        for (int b = 0; b < p->bands && d->determined[r]; b++) {
+            sum += d->albedo_std[r][b] / fmax(d->albedo[r][b], DARK_ALBEDO);
+            n++;
+        }
+    return n > 0 ? sum / n : 0;
+}
+
+/* Without a target or a budget: once, with the default rays. With them: rays are doubled from few
+ * until the stated error is below the target, or the next doubling would not fit into the budget. */
+igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
+{
+    const igi_recover_options *o = problem->options;
+    bool adapts = o->rays == 0 && (o->target_error > 0 || o->time_budget_s > 0);
+    int rays = o->rays ? o->rays : adapts ? FEWEST_RAYS : DEFAULT_RAYS;
+    for (;; rays *= 2) {
+        double before = igi_cpu_seconds();
+        IGI_TRY(gather_and_solve(ctx, problem, rays, diffuse));
+        if (!adapts || 2 * rays > MOST_RAYS) return IGI_OK;
+        if (o->target_error > 0 && stated_error(problem, diffuse) <= o->target_error) return IGI_OK;
+        double next = 2 * (igi_cpu_seconds() - before);
+        if (o->time_budget_s > 0 && igi_cpu_seconds() + next > o->time_budget_s) return IGI_OK;
+    }
 }
