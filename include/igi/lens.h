@@ -70,6 +70,11 @@ IGI_API IGI_MUST_USE igi_status igi_calibrate_chessboard(igi_context *context,
 IGI_API IGI_MUST_USE igi_status igi_calibrate_flat(igi_context *context, const char *const *paths,
                                                    size_t count, igi_calibration **calibration);
 
+/* Vignetting from the scene alone: what two photographs show of one matt place differs by it. The
+ * images are those of the scene, as the lens shaded them; a few places that shine are outvoted. */
+IGI_API IGI_MUST_USE igi_status igi_calibrate_overlap(igi_context *context, const igi_scene *scene,
+                                                      igi_calibration **calibration);
+
 /* Fits V to `count` measured transmissions of any scale at places (x,y), pixels of an image of
  * the given size. IGI_E_NO_ANSWER when they do not determine it. */
 IGI_API IGI_MUST_USE igi_status igi_vignetting_fit(igi_context *context, const double (*places)[2],

@@ -15,7 +15,7 @@ enum { CLI_MAX_ARGUMENTS = 1024 };
  * command. */
 typedef struct cli_values {
     const char *output, *method, *model, *truth, *list, *response, *weights, *save_response;
-    const char *chessboard, *calibration, *lights, *cameras;
+    const char *chessboard, *overlap, *calibration, *lights, *cameras;
     double samples;
     double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;

@@ -34,6 +34,15 @@ static igi_status load_present(cli_session *s, igi_calibration **calibration)
     return igi_calibration_load(s->context, s->values.output, calibration);
 }
 
+static igi_status calibrate_overlap(cli_session *s, igi_calibration **calibration)
+{
+    igi_scene *scene = NULL;
+    igi_status status = igi_scene_load(s->context, s->values.overlap, &scene);
+    if (status == IGI_OK) status = igi_calibrate_overlap(s->context, scene, calibration);
+    igi_scene_destroy(scene);
+    return status;
+}
+
 static void print_lens(const igi_calibration *c)
 {
     int width = 5;
@@ -90,17 +99,22 @@ static igi_status run(cli_session *s)
     igi_calibration *calibration = NULL;
     size_t count = (size_t)s->argument_count;
     if (!v->output) return usage("where to? give a file with -o, as calib/NAME.json");
-    if (!v->chessboard == !v->flat)
-        return usage("what do the images show? --chessboard COLUMNSxROWS, or --flat");
+    if ((v->chessboard != NULL) + v->flat + (v->overlap != NULL) != 1)
+        return usage(
+            "what do the images show? --chessboard COLUMNSxROWS, --flat or --overlap SCENE");
+    if (!v->overlap != (count > 0))
+        return usage(v->overlap ? "--overlap takes the scene's images; name no others"
+                                : "name the images");
     if (v->chessboard && !read_board(v->chessboard, &board))
         return usage("--chessboard takes the inner corners, 3 to 100 a side, as 9x6");
     if (v->chessboard && !(v->square > 0))
         return usage("how large are the squares? --square METRES");
     igi_status status = load_present(s, &calibration);
     if (status == IGI_OK)
-        status = v->flat ? igi_calibrate_flat(s->context, s->arguments, count, &calibration)
-                         : igi_calibrate_chessboard(s->context, s->arguments, count, &board,
-                                                    &calibration);
+        status = v->overlap ? calibrate_overlap(s, &calibration)
+                 : v->flat  ? igi_calibrate_flat(s->context, s->arguments, count, &calibration)
+                            : igi_calibrate_chessboard(s->context, s->arguments, count, &board,
+                                                       &calibration);
     if (status == IGI_OK) status = igi_calibration_save(s->context, calibration, v->output);
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && v->json) print_json(s, calibration);
@@ -118,7 +132,6 @@ static igi_status run(cli_session *s)
 const cli_command cli_calibrate = {
     .name = "calibrate",
     .bit = CLI_CALIBRATE,
-    .arguments = 1,
     .more = true,
     .usage = "calibrate IMAGE... -o CALIB.json",
     .summary = "distortion and vignetting of a camera",

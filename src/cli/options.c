@@ -55,6 +55,8 @@ static const option options[] = {
      "the images show an evenly lit surface that fills the frame"},
     {"photos", 0, FLAG, CLI_SYNTH, AT(photos), NULL, NULL, 0, 0,
      "photographs as a camera delivers them: brackets, lens, noise"},
+    {"overlap", 0, TEXT, CLI_CALIBRATE, AT(overlap), "SCENE", NULL, 0, 0,
+     "vignetting from the overlapping images of a scene with known geometry"},
     {"calibration", 0, TEXT, CLI_CORRECT, AT(calibration), "FILE", NULL, 0, 0,
      "what igi calibrate wrote"},
     {"truth", 0, TEXT, CLI_VALIDATE, AT(truth), "FOLDER", NULL, 0, 0,

@@ -16,17 +16,37 @@
 
 typedef struct samples {
     const double (*places)[2];
+    const double (*partners)[2]; /* NULL: values are a V; else values are ln V - ln V there */
     const double *values;
     double *weights;
     size_t count;
     double half_diagonal;
 } samples;
 
-static double squared_radius(const samples *s, size_t i, double cx, double cy)
+static double squared_radius(const samples *s, const double place[2], double cx, double cy)
 {
-    double x = (s->places[i][0] - cx) / s->half_diagonal;
-    double y = (s->places[i][1] - cy) / s->half_diagonal;
+    double x = (place[0] - cx) / s->half_diagonal;
+    double y = (place[1] - cy) / s->half_diagonal;
     return x * x + y * y;
+}
+
+/* What the four unknowns are multiplied with. A pair knows no scale: its first is tied to 0. */
+static void fill_basis(const samples *s, size_t i, double cx, double cy, double basis[4])
+{
+    double a = squared_radius(s, s->places[i], cx, cy), b = 0;
+    if (s->partners) b = squared_radius(s, s->partners[i], cx, cy);
+    basis[0] = s->partners ? 0 : 1;
+    basis[1] = a - b;
+    basis[2] = a * a - b * b;
+    basis[3] = a * a * a - b * b * b;
+}
+
+static double residual(const samples *s, size_t i, double cx, double cy, const double p[4])
+{
+    double basis[4], off = s->values[i];
+    fill_basis(s, i, cx, cy, basis);
+    for (int k = 0; k < 4; k++) off -= p[k] * basis[k];
+    return off;
 }
 
 /* Weighted least squares of the four linear unknowns; the misfit, or HUGE_VAL. */
@@ -35,18 +55,18 @@ static double fit_linear(const samples *s, double cx, double cy, double p[4])
     double a[16] = {0}, sum = 0, weight = 0;
     for (int k = 0; k < 4; k++) p[k] = 0;
     for (size_t i = 0; i < s->count; i++) {
-        double r2 = squared_radius(s, i, cx, cy), w = s->weights[i];
-        const double basis[4] = {1, r2, r2 * r2, r2 * r2 * r2};
+        double basis[4], w = s->weights[i];
+        fill_basis(s, i, cx, cy, basis);
         for (int j = 0; j < 4; j++) {
             for (int k = 0; k < 4; k++) a[4 * j + k] += w * basis[j] * basis[k];
             p[j] += w * basis[j] * s->values[i];
         }
     }
+    if (s->partners) a[0] = 1;
     for (int k = 0; k < 4; k++) a[5 * k] *= 1 + 1e-12;
     if (!igi_solve_cholesky(a, 4, p, 1)) return HUGE_VAL;
     for (size_t i = 0; i < s->count; i++) {
-        double r2 = squared_radius(s, i, cx, cy);
-        double off = s->values[i] - (p[0] + r2 * (p[1] + r2 * (p[2] + r2 * p[3])));
+        double off = residual(s, i, cx, cy, p);
         sum += s->weights[i] * off * off;
         weight += s->weights[i];
     }
@@ -84,10 +104,7 @@ static int by_value(const void *a, const void *b)
 static void reweight(const samples *s, double cx, double cy, const double p[4], double *scratch)
 {
     double *residuals = scratch, *sorted = scratch + s->count;
-    for (size_t i = 0; i < s->count; i++) {
-        double r2 = squared_radius(s, i, cx, cy);
-        residuals[i] = fabs(s->values[i] - (p[0] + r2 * (p[1] + r2 * (p[2] + r2 * p[3]))));
-    }
+    for (size_t i = 0; i < s->count; i++) residuals[i] = fabs(residual(s, i, cx, cy, p));
     memcpy(sorted, residuals, s->count * sizeof *sorted);
     qsort(sorted, s->count, sizeof *sorted, by_value);
     double width = 6 * sorted[s->count / 2] / .6745 + 1e-9 * fabs(p[0]);
@@ -97,46 +114,91 @@ static void reweight(const samples *s, double cx, double cy, const double p[4], 
     }
 }
 
+/* The robust fit: centre and unknowns. IGI_E_NO_ANSWER is left to the caller: *misfit HUGE_VAL. */
+static igi_status fit_robustly(igi_context *ctx, samples *s, double centre[2], double p[4],
+                               double *misfit)
+{
+    igi_status status = IGI_OK;
+    double *scratch = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s->count, &s->weights));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * s->count, &scratch));
+    for (size_t i = 0; i < s->count; i++) s->weights[i] = 1;
+    for (int round = 0; round < 4; round++) {
+        *misfit = search_centre(s, &centre[0], &centre[1], p);
+        reweight(s, centre[0], centre[1], p, scratch);
+    }
+cleanup:
+    igi_free(s->weights);
+    igi_free(scratch);
+    s->weights = NULL;
+    return status;
+}
+
+static igi_status fail_undetermined(igi_context *ctx)
+{
+    return igi_fail(ctx, IGI_E_NO_ANSWER,
+                    "vignetting: the measurements do not determine it; photograph an evenly lit "
+                    "surface that fills the frame");
+}
+
 igi_status igi_vignetting_fit(igi_context *ctx, const double (*places)[2],
                               const double *transmissions, size_t count, const int size[2],
                               igi_vignetting *vignetting)
 {
-    igi_status status = IGI_OK;
-    samples s = {places, transmissions, NULL, count, hypot(size[0], size[1]) / 2};
-    double *scratch = NULL, p[4] = {0}, cx = size[0] / 2., cy = size[1] / 2., misfit = 0;
+    samples s = {places, NULL, transmissions, NULL, count, hypot(size[0], size[1]) / 2};
+    double p[4] = {0}, centre[2] = {size[0] / 2., size[1] / 2.}, misfit = 0, sum = 0;
     memset(vignetting, 0, sizeof *vignetting);
-    if (count < 12)
-        return igi_fail(ctx, IGI_E_NO_ANSWER,
-                        "vignetting: %zu places do not determine it; use a whole photograph",
-                        count);
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &s.weights));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * count, &scratch));
-    for (size_t i = 0; i < count; i++) s.weights[i] = 1;
-    for (int round = 0; round < 4; round++) {
-        misfit = search_centre(&s, &cx, &cy, p);
-        reweight(&s, cx, cy, p, scratch);
-    }
-    if (!isfinite(misfit) || !(p[0] > 0)) {
-        status = igi_fail(ctx, IGI_E_NO_ANSWER,
-                          "vignetting: the measurements do not determine it; "
-                          "photograph an evenly lit surface that fills the frame");
-        goto cleanup;
-    }
+    if (count < 12) return fail_undetermined(ctx);
+    IGI_TRY(fit_robustly(ctx, &s, centre, p, &misfit));
+    if (!(misfit < HUGE_VAL) || !(p[0] > 0)) return fail_undetermined(ctx);
     vignetting->known = true;
-    vignetting->centre_x = cx;
-    vignetting->centre_y = cy;
+    vignetting->centre_x = centre[0];
+    vignetting->centre_y = centre[1];
     for (int k = 0; k < 3; k++) vignetting->k[k] = p[k + 1] / p[0];
-    double sum = 0;
     for (size_t i = 0; i < count; i++) {
         double off = transmissions[i] / p[0] -
                      igi_vignetting_at(vignetting, places[i][0], places[i][1], size);
         sum += off * off;
     }
     vignetting->rms = sqrt(sum / (double)count);
-cleanup:
-    igi_free(s.weights);
-    igi_free(scratch);
-    return status;
+    return IGI_OK;
+}
+
+/* V as a polynomial, from ln V as one: least squares over the disk. */
+static bool from_logarithm(const double p[4], double k[3])
+{
+    double a[9] = {0};
+    for (int j = 0; j < 3; j++) k[j] = 0;
+    for (int i = 1; i <= 100; i++) {
+        double r2 = i / 100., v = exp(r2 * (p[1] + r2 * (p[2] + r2 * p[3]))) - 1;
+        const double basis[3] = {r2, r2 * r2, r2 * r2 * r2};
+        for (int x = 0; x < 3; x++) {
+            for (int y = 0; y < 3; y++) a[3 * x + y] += basis[x] * basis[y];
+            k[x] += basis[x] * v;
+        }
+    }
+    return igi_solve_cholesky(a, 3, k, 1);
+}
+
+igi_status igi_vignetting_fit_pairs(igi_context *ctx, const igi_vignetting_pairs *pairs,
+                                    const int size[2], igi_vignetting *vignetting)
+{
+    samples s = {(const double(*)[2])pairs->a,
+                 (const double(*)[2])pairs->b,
+                 pairs->log_ratios,
+                 NULL,
+                 pairs->count,
+                 hypot(size[0], size[1]) / 2};
+    double p[4] = {0}, centre[2] = {size[0] / 2., size[1] / 2.}, misfit = 0;
+    memset(vignetting, 0, sizeof *vignetting);
+    if (pairs->count < 100) return fail_undetermined(ctx);
+    IGI_TRY(fit_robustly(ctx, &s, centre, p, &misfit));
+    if (!(misfit < HUGE_VAL) || !from_logarithm(p, vignetting->k)) return fail_undetermined(ctx);
+    vignetting->known = true;
+    vignetting->centre_x = centre[0];
+    vignetting->centre_y = centre[1];
+    vignetting->rms = sqrt(misfit);
+    return IGI_OK;
 }
 
 double igi_vignetting_at(const igi_vignetting *vignetting, double x, double y, const int size[2])

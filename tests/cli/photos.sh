@@ -16,7 +16,9 @@ expect 3 'guess: ' "$igi" merge a.jpg -o x.exr --response guess
 expect 2 'what do the images show' "$igi" calibrate a.jpg -o x.json
 expect 2 'inner corners' "$igi" calibrate a.jpg -o x.json --chessboard 9by6
 expect 2 'how large are the squares' "$igi" calibrate a.jpg -o x.json --chessboard 9x6
-expect 2 '0 arguments given, 1 or more needed' "$igi" calibrate --flat -o x.json
+expect 2 'name the images' "$igi" calibrate --flat -o x.json
+expect 2 'name no others' "$igi" calibrate --overlap a b.exr -o x.json
+expect 3 'nowhere' "$igi" calibrate --overlap nowhere -o x.json
 expect 3 'nowhere\.jpg' "$igi" calibrate nowhere.jpg --flat -o x.json
 expect 2 'by what\?' "$igi" correct a.exr -o out
 expect 3 'nowhere\.json' "$igi" correct a.exr -o out --calibration nowhere.json
