@@ -41,9 +41,9 @@ static void print_lobe(const igi_page *page, const igi_material *m)
         fputs("<td data-v=\"0\">&ndash;</td><td data-v=\"0\">&ndash;</td>", f);
         return;
     }
-    fprintf(f, "<td data-v=\"%.6g\">%.3f <span class=\"soft\">&plusmn; %.3f</span></td>",
+    fprintf(f, "<td data-v=\"%.6g\">%.4f <span class=\"soft\">&plusmn; %.1g</span></td>",
             m->specular, m->specular, m->specular_std);
-    fprintf(f, "<td data-v=\"%.6g\">%.3f <span class=\"soft\">&plusmn; %.3f</span></td>", m->alpha,
+    fprintf(f, "<td data-v=\"%.6g\">%.4f <span class=\"soft\">&plusmn; %.1g</span></td>", m->alpha,
             m->alpha, m->alpha_std);
 }
 
