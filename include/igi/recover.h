@@ -26,13 +26,13 @@ IGI_API bool igi_method_from_name(const char *name, igi_method *method);
 
 typedef struct igi_recover_options {
     size_t struct_size;
-    igi_method method;    /* default IGI_METHOD_PATCHES */
-    double patch_m;       /* side of a patch, metres; 0: from the size of the room (default) */
-    int rays;             /* rays a patch (gather: a point); 0: default of the method */
-    int map_size;         /* texels along the side of a map; 0: as fine as the photographs */
-    int model;            /* IGI_ANY_MODEL (default): evidence decides for each region; or an
+    igi_method method;   /* default IGI_METHOD_PATCHES */
+    double patch_m;      /* side of a patch, metres; 0: from the size of the room (default) */
+    int rays;            /* rays a patch (gather: a point); 0: default of the method */
+    int map_size;        /* texels along the side of a map; 0: as fine as the photographs */
+    int model;           /* IGI_ANY_MODEL (default): evidence decides for each region; or an
                         * igi_model: IGI_LAMBERT looks for no lobe, the others for that one */
-    double target_error;  /* aimed at: mean over regions of the relative standard deviation of albedo
+    double target_error; /* aimed at: mean over regions of the relative standard deviation of albedo
                              (patches only); 0: the default accuracy */
     double time_budget_s; /* CPU seconds that the diffuse solution may take in all; 0: no limit */
 } igi_recover_options;

@@ -104,9 +104,10 @@ static igi_status check_photograph(igi_context *ctx, const igi_scene *scene, siz
 {
     const igi_frame *f = &scene->frames[frame];
     if (image->width != f->camera.width || image->height != f->camera.height)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: the image is %d x %d pixels, its camera %d x %d; scale one to the other",
-                        f->path, image->width, image->height, f->camera.width, f->camera.height);
+        return igi_fail(
+            ctx, IGI_E_DATA,
+            "%s: the image is %d x %d pixels, its camera %d x %d; scale one to the other", f->path,
+            image->width, image->height, f->camera.width, f->camera.height);
     if (image->channels < scene->bands)
         return igi_fail(ctx, IGI_E_DATA, "%s: %d channels where %d bands are needed", f->path,
                         image->channels, scene->bands);
@@ -122,8 +123,7 @@ static igi_status check_pixels(igi_context *ctx, const igi_scene *scene, size_t 
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: %zu of %zu pixels are negative, infinite or not a number (first at "
                         "column %u, row %u); export it again, or leave it out of the cameras' file",
-                        meta->path, f->broken, pixels,
-                        f->first_broken % (uint32_t)visible->width,
+                        meta->path, f->broken, pixels, f->first_broken % (uint32_t)visible->width,
                         f->first_broken / (uint32_t)visible->width);
     for (size_t i = 0; i < pixels; i++) {
         bool hit = visible->hits[i].triangle != IGI_NO_HIT;
@@ -147,11 +147,12 @@ static igi_status check_places(igi_context *ctx, const igi_scene *scene, const f
     if ((double)back > FEW_BACK * (double)hits) return IGI_OK; /* the mesh is inside out */
     for (size_t i = 0; i < scene->frame_count; i++)
         if ((double)frames[i].back > ALL_BACK * (double)frames[i].hits)
-            return igi_fail(ctx, IGI_E_DATA,
-                            "%s: this camera sees back sides alone: it stands inside a wall or a "
-                            "piece of furniture; correct its place, or leave it out of the cameras' "
-                            "file",
-                            scene->frames[i].path);
+            return igi_fail(
+                ctx, IGI_E_DATA,
+                "%s: this camera sees back sides alone: it stands inside a wall or a "
+                "piece of furniture; correct its place, or leave it out of the cameras' "
+                "file",
+                scene->frames[i].path);
     return IGI_OK;
 }
 
@@ -185,16 +186,16 @@ cleanup:
 }
 
 /* Moves an array that every frame has, of `per` elements a pixel, into one of all frames. */
-#define JOIN(field, per)                                                              \
-    do {                                                                              \
-        IGI_TRY(IGI_ALLOC(ctx, o->count * (size_t)(per), &o->field));                 \
-        for (size_t i = 0; i < o->frame_count; i++) {                                 \
-            frame_pixels *f = &j->frames[i];                                          \
-            memcpy(o->field + o->frame_begin[i] * (size_t)(per), f->field,            \
-                   f->count * (size_t)(per) * sizeof *f->field);                      \
-            igi_free(f->field);                                                       \
-            f->field = NULL;                                                          \
-        }                                                                             \
+#define JOIN(field, per)                                                   \
+    do {                                                                   \
+        IGI_TRY(IGI_ALLOC(ctx, o->count *(size_t)(per), &o->field));       \
+        for (size_t i = 0; i < o->frame_count; i++) {                      \
+            frame_pixels *f = &j->frames[i];                               \
+            memcpy(o->field + o->frame_begin[i] * (size_t)(per), f->field, \
+                   f->count * (size_t)(per) * sizeof *f->field);           \
+            igi_free(f->field);                                            \
+            f->field = NULL;                                               \
+        }                                                                  \
     } while (0)
 
 static igi_status join_all(igi_context *ctx, job *j, igi_observations *o)
@@ -217,11 +218,11 @@ static igi_status warn_of_broken(igi_context *ctx, const job *j, igi_observation
         const frame_pixels *f = &j->frames[i];
         if (f->broken == 0) continue;
         uint32_t width = (uint32_t)j->scene->frames[i].camera.width;
-        IGI_TRY(igi_strprintf(ctx, &o->warnings[o->warning_count],
-                              "image %s: %zu pixels are negative, infinite or not a number and were "
-                              "left out (first at column %u, row %u)",
-                              j->scene->frames[i].name, f->broken, f->first_broken % width,
-                              f->first_broken / width));
+        IGI_TRY(igi_strprintf(
+            ctx, &o->warnings[o->warning_count],
+            "image %s: %zu pixels are negative, infinite or not a number and were "
+            "left out (first at column %u, row %u)",
+            j->scene->frames[i].name, f->broken, f->first_broken % width, f->first_broken / width));
         o->warning_count++;
     }
     return IGI_OK;

@@ -15,7 +15,7 @@
 
 #define CANDIDATES 40000 /* pixels of a region to choose from, at most */
 #define MAX_LAMP_SAMPLES 256
-#define LAMP_POINTS 4    /* places on each lamp that the score looks at */
+#define LAMP_POINTS 4 /* places on each lamp that the score looks at */
 
 typedef struct job {
     const igi_radiance_field *field;
@@ -134,7 +134,8 @@ static igi_status score_candidates(igi_context *ctx, void *user, size_t task, in
         if (out.z <= 0.05f) continue;
         float diffuse = 1e-6f;
         for (int b = 0; b < p->bands; b++)
-            diffuse += j->field->total[(size_t)side * (size_t)p->bands + (size_t)b] / (float)p->bands;
+            diffuse += j->field->total[(size_t)side * (size_t)p->bands + (size_t)b] /
+                       (float)p->bands;
         for (size_t l = 0; l < j->rows->lights; l++) {
             float received = j->rows->direct[row * j->rows->lights + l] *
                              brightness(p->lights[l].value, p->bands);
@@ -147,7 +148,8 @@ static igi_status score_candidates(igi_context *ctx, void *user, size_t task, in
                 float scale[4], base[4];
                 if (in.z <= 0) continue;
                 igi_lobe_terms_over(IGI_WARD, j->options.alphas, 4, in, out, scale, base);
-                for (int a = 0; a < 4; a++) j->scores[i][a] += scale[a] * received / diffuse / (float)n;
+                for (int a = 0; a < 4; a++)
+                    j->scores[i][a] += scale[a] * received / diffuse / (float)n;
             }
         }
     }
@@ -322,7 +324,8 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
         /* toward the same point of the lamp from this place of the pixel */
         igi_vec direction = samples[m].direction;
         if (!isinf(samples[m].distance))
-            direction = igi_normalize(igi_sub(igi_madd(s->v.point, direction, samples[m].distance), from));
+            direction = igi_normalize(
+                igi_sub(igi_madd(s->v.point, direction, samples[m].distance), from));
         d->in = igi_to_local(direction, s->v.normal);
         if (d->in.z <= 0 || d->out.z <= 0) continue;
         d->weight = d->in.z * samples[m].weight;
@@ -339,7 +342,8 @@ static void set_up_pixel(job *j, size_t i, uint64_t *rays)
     igi_rng rng = igi_rng_make(igi_hash64(j->region), observation);
     memcpy(h->radiance + i * bands, o->radiance + observation * bands, bands * sizeof(float));
     j->irradiance(j->user, observation, h->irradiance + i * bands);
-    pixel_sets s = {.j = j, .v = view_of(j->field->problem, observation),
+    pixel_sets s = {.j = j,
+                    .v = view_of(j->field->problem, observation),
                     .directions = h->directions + i * (size_t)h->samples,
                     .incident = h->incident + i * (size_t)h->samples * bands};
     for (int k = 0; k < 4; k++) s.start[k] = igi_rng_float(&rng);
@@ -376,8 +380,12 @@ igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *fie
                                  const void *user, igi_highlights **highlights)
 {
     igi_status status = IGI_OK;
-    job j = {.field = field, .rows = rows, .region = region, .options = *options,
-             .irradiance = irradiance, .user = user};
+    job j = {.field = field,
+             .rows = rows,
+             .region = region,
+             .options = *options,
+             .irradiance = irradiance,
+             .user = user};
     *highlights = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &j.out));
     j.out->bands = field->problem->bands;

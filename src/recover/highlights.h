@@ -22,17 +22,17 @@ typedef struct igi_direction_sample {
 } igi_direction_sample;
 
 typedef struct igi_highlights {
-    size_t count; /* pixels */
-    int samples;  /* directions of each, */
+    size_t count;     /* pixels */
+    int samples;      /* directions of each, */
     int lobe_samples; /* of which the first are to surfaces, the others to lamps */
     int bands;
-    size_t groups;           /* pixels of one group show one albedo: a region, or one of its points */
-    uint32_t *group;         /* [count] rising */
-    uint32_t *observation;   /* [count] */
-    float *radiance;         /* [count][bands] as photographed */
-    float *irradiance;       /* [count][bands] */
+    size_t groups;         /* pixels of one group show one albedo: a region, or one of its points */
+    uint32_t *group;       /* [count] rising */
+    uint32_t *observation; /* [count] */
+    float *radiance;       /* [count][bands] as photographed */
+    float *irradiance;     /* [count][bands] */
     igi_direction_sample *directions; /* [count][samples] */
-    float *incident;         /* [count][samples][bands] */
+    float *incident;                  /* [count][samples][bands] */
 } igi_highlights;
 
 /* Pixels of each region to choose from, thinned evenly: observation[begin[region]...]. */
@@ -47,13 +47,13 @@ void igi_candidates_clear(igi_candidates *candidates);
 
 typedef struct igi_highlight_options {
     const igi_candidates *candidates;
-    size_t scored;        /* at most so many candidates are looked at */
-    size_t pixels;        /* about how many to choose */
-    int lobe_samples;     /* directions from lobes, a multiple of 4 */
-    int lamp_samples;     /* directions to each lamp */
-    int lamp_tests;       /* shadow rays to each lamp as long as they agree */
-    float alphas[4];      /* of the lobes that directions are drawn from */
-    bool per_point;       /* the region is textured: albedo is eliminated point by point */
+    size_t scored;    /* at most so many candidates are looked at */
+    size_t pixels;    /* about how many to choose */
+    int lobe_samples; /* directions from lobes, a multiple of 4 */
+    int lamp_samples; /* directions to each lamp */
+    int lamp_tests;   /* shadow rays to each lamp as long as they agree */
+    float alphas[4];  /* of the lobes that directions are drawn from */
+    bool per_point;   /* the region is textured: albedo is eliminated point by point */
 } igi_highlight_options;
 
 /* Irradiance at an observation, per band. */

@@ -56,9 +56,12 @@ static void add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, igi_
     if (hit.triangle == IGI_NO_HIT || is_lamp(p, hit.triangle)) {
         sum = lamps;
         igi_lighting_add_emitted(p->lighting, direction, &hit, met);
-        int light = hit.triangle == IGI_NO_HIT ? -1 : igi_lighting_of_triangle(p->lighting, hit.triangle);
+        int light = hit.triangle == IGI_NO_HIT
+                        ? -1
+                        : igi_lighting_of_triangle(p->lighting, hit.triangle);
         if (light >= 0)
-            weight *= pdf / (pdf + igi_light_pdf(p->lighting, (size_t)light, point, direction, &hit));
+            weight *= pdf /
+                      (pdf + igi_light_pdf(p->lighting, (size_t)light, point, direction, &hit));
     } else {
         const float *total = side_radiance(p, f->total, &hit);
         for (int b = 0; b < p->bands; b++) met[b] = total[b];

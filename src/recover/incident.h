@@ -20,8 +20,8 @@ typedef struct igi_lobe {
 
 typedef struct igi_radiance_field {
     const igi_problem *problem;
-    const float *diffuse; /* [2 patches][bands] the part of each side that all directions share */
-    const float *total;   /* [2 patches][bands] with the lobe as the cameras saw it on average */
+    const float *diffuse;  /* [2 patches][bands] the part of each side that all directions share */
+    const float *total;    /* [2 patches][bands] with the lobe as the cameras saw it on average */
     const igi_lobe *lobes; /* [regions], or NULL: every side sends `total` in all directions */
 } igi_radiance_field;
 

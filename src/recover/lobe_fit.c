@@ -178,7 +178,8 @@ static igi_status find_groups(igi_context *ctx, const igi_highlights *h, size_t 
     IGI_TRY(IGI_ALLOC(ctx, h->groups + 1, begin));
     IGI_TRY(IGI_ALLOC(ctx, h->groups + 1, sizes));
     for (size_t i = 0; i < h->count; i++) (*begin)[h->group[i] + 1] = i + 1;
-    for (size_t g = 0; g < h->groups; g++) (*sizes)[g] = (int)(((*begin)[g + 1] - (*begin)[g]) * bands);
+    for (size_t g = 0; g < h->groups; g++)
+        (*sizes)[g] = (int)(((*begin)[g + 1] - (*begin)[g]) * bands);
     return IGI_OK;
 }
 
@@ -193,9 +194,14 @@ static igi_status polish_with_ceres(igi_context *ctx, const igi_profile *f, cons
     for (int a = 0; a < FINE; a++) p.logs[a] = log((double)t->alphas[a]);
     IGI_TRY_GOTO(find_groups(ctx, f->h, f->bands, &p.begin, &sizes));
     double lower[2] = {0, p.logs[0]}, upper[2] = {1e3, p.logs[FINE - 1]};
-    igi_least_squares problem = {.parameter_count = 2, .block_count = f->h->groups,
-                                 .block_sizes = sizes, .residuals = group_residuals, .user = &p,
-                                 .lower = lower, .upper = upper, .max_iterations = 30};
+    igi_least_squares problem = {.parameter_count = 2,
+                                 .block_count = f->h->groups,
+                                 .block_sizes = sizes,
+                                 .residuals = group_residuals,
+                                 .user = &p,
+                                 .lower = lower,
+                                 .upper = upper,
+                                 .max_iterations = 30};
     IGI_TRY_GOTO(igi_least_squares_solve(ctx, &problem, x, covariance, &result));
     if (result.rank == 2 && x[0] > 0) take_out_bias(&p, covariance, result.residual_variance, x);
     e->specular = fmax(0, x[0]);
@@ -216,7 +222,8 @@ static double highest_alpha(igi_model model)
 }
 
 /* A fine table about e->alpha, shifted until the best lies inside of it. */
-static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model, igi_lobe_estimate *e)
+static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model,
+                             igi_lobe_estimate *e)
 {
     igi_status status = IGI_OK;
     igi_lobe_table table = {.model = model};
@@ -256,7 +263,8 @@ igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_
     igi_profile f;
     size_t unknowns = highlights->groups * (size_t)highlights->bands + 2;
     *estimate = (igi_lobe_estimate){.model = model, .alpha = near_alpha, .at_bound = true};
-    estimate->residuals = (double)(highlights->count * (size_t)highlights->bands) - (double)unknowns;
+    estimate->residuals = (double)(highlights->count * (size_t)highlights->bands) -
+                          (double)unknowns;
     if (estimate->residuals < 10) return IGI_OK;
     IGI_TRY(igi_profile_create(ctx, highlights, &f));
     igi_profile_column none = {NULL, NULL, NULL, 0};

@@ -16,11 +16,11 @@ typedef struct igi_lobe_estimate {
     igi_model model;
     double specular, specular_std;
     double alpha, alpha_std;
-    bool at_bound;        /* alpha ran into an end of what is looked for */
-    double deviance;      /* -2 ln likelihood with the lobe, */
-    double plain_deviance; /* and without: both with the noise that fits them */
-    double residuals;     /* how many residuals there were */
-    double noise;         /* relative standard deviation of a residual */
+    bool at_bound;                /* alpha ran into an end of what is looked for */
+    double deviance;              /* -2 ln likelihood with the lobe, */
+    double plain_deviance;        /* and without: both with the noise that fits them */
+    double residuals;             /* how many residuals there were */
+    double noise;                 /* relative standard deviation of a residual */
     double albedo[IGI_MAX_BANDS]; /* of the first group: the region's, where it is one group */
 } igi_lobe_estimate;
 

@@ -10,10 +10,10 @@
 typedef struct igi_profile {
     const igi_highlights *h;
     size_t bands, n;
-    float *weight;   /* [count][bands] one over the variance of a residual */
-    float *scratch;  /* [2][count][bands] */
-    double *sums;    /* [groups][bands][3]: <E,E>, <y,E>, <S,E> */
-    double *albedo;  /* [groups][bands] of the last evaluation */
+    float *weight;  /* [count][bands] one over the variance of a residual */
+    float *scratch; /* [2][count][bands] */
+    double *sums;   /* [groups][bands][3]: <E,E>, <y,E>, <S,E> */
+    double *albedo; /* [groups][bands] of the last evaluation */
 } igi_profile;
 
 /* Pixel 0's terms at one alpha; scale NULL: no lobe. */

@@ -60,8 +60,9 @@ static igi_status tabulate(igi_context *ctx, void *user, size_t task, int worker
     return IGI_OK;
 }
 
-igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights, igi_model model,
-                                 const double *alphas, size_t alpha_count, igi_lobe_table *table)
+igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights,
+                                 igi_model model, const double *alphas, size_t alpha_count,
+                                 igi_lobe_table *table)
 {
     size_t size = highlights->count * alpha_count * (size_t)highlights->bands;
     *table = (igi_lobe_table){.model = model, .alpha_count = alpha_count};

@@ -10,9 +10,9 @@
 
 typedef struct igi_lobe_view {
     const igi_rows *rows;
-    const igi_lobe *lobes;   /* [regions] */
-    const float *seen;       /* [2 patches][bands] the lobe's part of what was seen of a side, */
-    const float *surfaces;   /* [2 patches][bands] and of that the part that came from no lamp */
+    const igi_lobe *lobes; /* [regions] */
+    const float *seen;     /* [2 patches][bands] the lobe's part of what was seen of a side, */
+    const float *surfaces; /* [2 patches][bands] and of that the part that came from no lamp */
 } igi_lobe_view;
 
 /* Adds the lobe's radiance at a point toward `eye`: lamps by a few samples and the share of them

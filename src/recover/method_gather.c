@@ -62,8 +62,8 @@ igi_status igi_method_gather(igi_context *ctx, const igi_problem *problem, igi_d
     igi_stage_begin(ctx, "gather");
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * problem->patches->count, &wanted));
     IGI_TRY_GOTO(choose_sides(ctx, problem, wanted));
-    igi_gather_options options = {.rays = rays, .light_points = rays > 3 ? rays / 3 : 1,
-                                  .wanted = wanted};
+    igi_gather_options options = {
+        .rays = rays, .light_points = rays > 3 ? rays / 3 : 1, .wanted = wanted};
     IGI_TRY_GOTO(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,
                                  problem->lighting, &sites, &options, &rows));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, rows->count * bands, &irradiance));

@@ -104,8 +104,11 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
 {
     igi_status status = IGI_OK;
     igi_region_sums *sums = NULL;
-    solver s = {.problem = problem, .rows = diffuse->rows, .bands = (size_t)problem->bands,
-                .radiance = diffuse->radiance, .albedo = diffuse->albedo};
+    solver s = {.problem = problem,
+                .rows = diffuse->rows,
+                .bands = (size_t)problem->bands,
+                .radiance = diffuse->radiance,
+                .albedo = diffuse->albedo};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.direct));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.irradiance));
     IGI_TRY_GOTO(igi_places_create(ctx, problem, s.rows, s.irradiance, &s.places));

@@ -92,7 +92,8 @@ static void average_side(igi_problem *p, uint32_t side)
         for (size_t b = 0; b < bands; b++) sum[b] += (double)radiance[b];
         kept++;
     }
-    for (size_t b = 0; b < bands && kept > 0; b++) p->seen[side * bands + b] = (float)(sum[b] / kept);
+    for (size_t b = 0; b < bands && kept > 0; b++)
+        p->seen[side * bands + b] = (float)(sum[b] / kept);
     p->seen_var[side] = (float)(core.variance / fmax(kept, 1));
 }
 
@@ -103,7 +104,8 @@ static void read_lamp(const igi_problem *p, igi_light *light, double std[IGI_MAX
     const igi_observations *o = p->observations;
     for (size_t i = 0; i < o->count; i++) {
         if (igi_surface_is_back(o->surface[i])) continue;
-        if ((int)p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != light->region) continue;
+        if ((int)p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != light->region)
+            continue;
         for (int b = 0; b < p->bands; b++) {
             double x = (double)o->radiance[i * (size_t)p->bands + (size_t)b];
             sum[b] += x;
@@ -145,8 +147,12 @@ igi_status igi_problem_create(igi_context *ctx, const igi_scene *scene, const ig
     igi_status status = IGI_OK;
     *problem = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &p));
-    *p = (igi_problem){.scene = scene, .tracer = tracer, .observations = observations,
-                       .patches = patches, .options = options, .bands = scene->bands};
+    *p = (igi_problem){.scene = scene,
+                       .tracer = tracer,
+                       .observations = observations,
+                       .patches = patches,
+                       .options = options,
+                       .bands = scene->bands};
     IGI_TRY_GOTO(sort_by_side(ctx, p));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count * (size_t)p->bands, &p->seen));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &p->seen_var));
@@ -188,7 +194,8 @@ igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem, igi_
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->albedo));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->albedo_std));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->determined));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * problem->patches->count * (size_t)problem->bands, &d->radiance));
+    IGI_TRY_GOTO(
+        IGI_ALLOC(ctx, 2 * problem->patches->count * (size_t)problem->bands, &d->radiance));
     memcpy(d->radiance, problem->seen,
            2 * problem->patches->count * (size_t)problem->bands * sizeof(float));
     *diffuse = d;

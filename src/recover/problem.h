@@ -28,7 +28,7 @@ typedef struct igi_problem {
     uint32_t *order;    /* [observations] */
     float *seen;        /* [2 patches][bands] mean radiance seen of a side; 0 where nothing was */
     const struct igi_lobe_view *lobes; /* what was found of lobes, or NULL; the caller's */
-    float *seen_var;    /* [2 patches] variance of that mean, average of the bands */
+    float *seen_var;                   /* [2 patches] variance of that mean, average of the bands */
 } igi_problem;
 
 IGI_MUST_USE igi_status igi_problem_create(igi_context *ctx, const igi_scene *scene,
@@ -58,9 +58,10 @@ typedef struct igi_diffuse {
     double (*albedo)[IGI_MAX_BANDS];     /* [regions] */
     double (*albedo_std)[IGI_MAX_BANDS]; /* [regions] one standard deviation */
     bool *determined;                    /* [regions] */
-    float *radiance; /* [2 patches][bands] radiance that leaves each side: what was seen, and what the
+    float
+        *radiance; /* [2 patches][bands] radiance that leaves each side: what was seen, and what the
                         method solved for; irradiance is gathered from it afterwards */
-    igi_rows *rows;  /* the rows that the method gathered with, or NULL: owned */
+    igi_rows *rows;        /* the rows that the method gathered with, or NULL: owned */
     const float *received; /* [rows][bands] irradiance that lobes add to the rows', or NULL; the
                               caller's */
     bool ignores_indirect; /* the method knows no light but the lamps' */

@@ -109,9 +109,10 @@ static igi_status make_material(igi_context *ctx, const igi_problem *p, const ig
     }
     if (r->emitter || m->determined) return IGI_OK;
     char *sentence;
-    IGI_TRY(igi_strprintf(ctx, &sentence,
-                          "no photograph determines it: the albedo is a guess from the other regions; "
-                          "add a photograph that shows it"));
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "no photograph determines it: the albedo is a guess from the other regions; "
+                      "add a photograph that shows it"));
     return add_warning(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
@@ -138,7 +139,8 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
     m->count = p->scene->region_count;
     for (size_t r = 0; r < m->count; r++)
         IGI_TRY_GOTO(make_material(ctx, p, d, r, &m->materials[r]));
-    for (size_t r = 0; s && r < m->count; r++) set_lobe(&s->estimates[r], p->bands, &m->materials[r]);
+    for (size_t r = 0; s && r < m->count; r++)
+        set_lobe(&s->estimates[r], p->bands, &m->materials[r]);
     IGI_TRY_GOTO(measure_coverage(ctx, p, m));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->lights));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->light_std));
@@ -201,14 +203,14 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     igi_stage_begin(ctx, "patches");
-    float size = o.patch_m > 0 ? (float)o.patch_m : PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);
+    float size = o.patch_m > 0 ? (float)o.patch_m
+                               : PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);
     IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, size, &patches));
     IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, &o, &problem));
     IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
     if (o.method == IGI_METHOD_YU99)
         IGI_TRY_GOTO(igi_yu99_create(ctx, problem, diffuse, &specular));
-    else
-        IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
+    else IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
     if (o.method == IGI_METHOD_PATCHES && o.model != IGI_LAMBERT)
         IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
     igi_lobe_view view;

@@ -151,8 +151,9 @@ static cluster *find_cluster(cluster *table, size_t slots, uint32_t region, cons
     }
 }
 
-static igi_status make_clusters(igi_context *ctx, const igi_region_sums *s, const igi_places *places,
-                                double (*albedo)[IGI_MAX_BANDS], cluster **table, size_t *slots)
+static igi_status make_clusters(igi_context *ctx, const igi_region_sums *s,
+                                const igi_places *places, double (*albedo)[IGI_MAX_BANDS],
+                                cluster **table, size_t *slots)
 {
     size_t bands = (size_t)s->problem->bands;
     float side = CLUSTER_PATCHES * s->problem->patches->size_m;
@@ -163,7 +164,8 @@ static igi_status make_clusters(igi_context *ctx, const igi_region_sums *s, cons
     for (size_t i = 0; i < places->count; i++) {
         if (places->weight[i] <= 0) continue;
         int32_t cell[3];
-        for (int k = 0; k < 3; k++) cell[k] = (int32_t)floorf(places->point[3 * i + (size_t)k] / side);
+        for (int k = 0; k < 3; k++)
+            cell[k] = (int32_t)floorf(places->point[3 * i + (size_t)k] / side);
         cluster *c = find_cluster(*table, *slots, places->region[i], cell);
         for (size_t b = 0; b < bands; b++)
             c->residual[b] += (double)places->weight[i] *

@@ -20,7 +20,7 @@
 #define HINT_SHARE 0.03
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
-#define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
+#define SEEN_SAMPLES 40000  /* photographs' pixels of a region whose lobe is taken out, about */
 #define RECEIVED_SAMPLES 16 /* rays of a row that look for lobes */
 
 typedef struct job {
@@ -53,7 +53,8 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
         size_t at = (size_t)(((double)k + (double)igi_rng_float(rng)) / samples * (double)n);
         size_t i = p->order[p->site_begin[side] + at];
         uint32_t triangle = igi_surface_triangle(o->surface[i]);
-        igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, o->uv[2 * i], o->uv[2 * i + 1]);
+        igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, o->uv[2 * i],
+                                           o->uv[2 * i + 1]);
         igi_vec normal = igi_tracer_normal(p->tracer, triangle);
         if (side & 1) normal = igi_scale(normal, -1);
         igi_vec eye = igi_camera_centre(&p->scene->frames[igi_observation_frame(o, i)].camera);
@@ -79,7 +80,8 @@ static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
     float start[2] = {igi_rng_float(rng), igi_rng_float(rng)};
     for (int k = 0; k < RECEIVED_SAMPLES; k++) {
         uint32_t triangle;
-        float u, v, x = start[0] + (float)k * 0.7548776662f, y = start[1] + (float)k * 0.5698402910f;
+        float u, v, x = start[0] + (float)k * 0.7548776662f,
+                    y = start[1] + (float)k * 0.5698402910f;
         igi_patch_sample(p->patches, side >> 1, rng, &triangle, &u, &v);
         igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, u, v);
         igi_vec normal = igi_tracer_normal(p->tracer, triangle);
@@ -92,8 +94,9 @@ static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
         if (lobe->model == IGI_LAMBERT) continue;
         igi_vec met = igi_tracer_normal(p->tracer, hit.triangle);
         if (hit.back) met = igi_scale(met, -1);
-        rays += (uint64_t)igi_lobe_radiance(j->field, lobe, igi_madd(point, direction, hit.distance),
-                                            met, igi_scale(direction, -1), rng, sum, sum);
+        rays += (uint64_t)igi_lobe_radiance(j->field, lobe,
+                                            igi_madd(point, direction, hit.distance), met,
+                                            igi_scale(direction, -1), rng, sum, sum);
     }
     for (size_t b = 0; b < bands; b++)
         j->correction->received[row * bands + b] = sum[b] * IGI_PIF / (float)RECEIVED_SAMPLES;
@@ -110,7 +113,8 @@ static igi_status correct_rows(igi_context *ctx, void *user, size_t task, int wo
     for (size_t row = task * SIDES_A_TASK; row < end; row++) {
         igi_rng rng = igi_rng_make(igi_seed(ctx) + 0x51ec + j->round, row);
         uint32_t side = j->rows->side[row];
-        if (igi_problem_seen_count(j->problem, side) > 0 && lobe_of_side(j, side)->model != IGI_LAMBERT)
+        if (igi_problem_seen_count(j->problem, side) > 0 &&
+            lobe_of_side(j, side)->model != IGI_LAMBERT)
             rays += seen_part(j, side, &rng);
         rays += received_part(j, row, &rng);
     }
@@ -221,8 +225,11 @@ static size_t allowed_models(const igi_problem *p, igi_model models[3])
 static igi_status search_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    igi_highlight_options options = {.scored = 4000, .pixels = 300, .lobe_samples = 16,
-                                     .lamp_samples = 32, .lamp_tests = 4,
+    igi_highlight_options options = {.scored = 4000,
+                                     .pixels = 300,
+                                     .lobe_samples = 16,
+                                     .lamp_samples = 32,
+                                     .lamp_tests = 4,
                                      .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
     igi_model models[3];
     size_t allowed = allowed_models(p, models);
@@ -255,7 +262,9 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         float a = s->specular->lobes[r].alpha;
-        igi_highlight_options options = {.scored = 40000, .pixels = 1000, .lobe_samples = 64,
+        igi_highlight_options options = {.scored = 40000,
+                                         .pixels = 1000,
+                                         .lobe_samples = 64,
                                          .lamp_samples = 64,
                                          .lamp_tests = 8,
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
@@ -291,14 +300,16 @@ static igi_status correct(igi_context *ctx, const igi_radiance_field *field, igi
     size_t size = 2 * p->patches->count * (size_t)p->bands * sizeof(float);
     memset(s->correction.seen, 0, size);
     memset(s->correction.surfaces, 0, size);
-    IGI_TRY_GOTO(igi_parallel_for(ctx, (count + SIDES_A_TASK - 1) / SIDES_A_TASK, correct_rows, &j));
+    IGI_TRY_GOTO(
+        igi_parallel_for(ctx, (count + SIDES_A_TASK - 1) / SIDES_A_TASK, correct_rows, &j));
     IGI_TRY_GOTO(igi_patches_solve(ctx, p, &s->correction, diffuse));
 cleanup:
     igi_free(sides);
     return status;
 }
 
-static void set_total(const igi_problem *p, const igi_diffuse *d, const igi_correction *c, float *total)
+static void set_total(const igi_problem *p, const igi_diffuse *d, const igi_correction *c,
+                      float *total)
 {
     size_t n = 2 * p->patches->count * (size_t)p->bands;
     for (size_t k = 0; k < n; k++) total[k] = d->radiance[k] + c->seen[k];

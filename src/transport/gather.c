@@ -88,7 +88,8 @@ static void gather_indirect(const job *j, size_t row, igi_rng *rng)
     igi_rows *r = j->rows;
     uint32_t side = r->side[row];
     uint32_t first = sequence_start(j->patches, side) * (uint32_t)r->rays;
-    uint64_t shift = igi_hash64(j->shift ^ (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
+    uint64_t shift = igi_hash64(j->shift ^
+                                (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
     for (int k = 0; k < r->rays; k++) {
         float u, v;
         sequence_point(first + (uint32_t)k, shift, &u, &v);
@@ -105,7 +106,8 @@ static void light_row(const job *j, size_t row, size_t l, igi_rng rng)
     int points = j->options.light_points;
     uint32_t side = j->rows->side[row];
     uint32_t first = sequence_start(j->patches, side) * (uint32_t)points;
-    uint64_t shift = igi_hash64(igi_hash64(j->shift + l + 1) ^ (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
+    uint64_t shift = igi_hash64(igi_hash64(j->shift + l + 1) ^
+                                (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
     igi_rng places = rng;
     float open = 0, sent = 0, arrived = 0, sent2 = 0, arrived2 = 0;
     for (int k = 0; k < points; k++) {
@@ -148,7 +150,8 @@ static void gather_direct(const job *j, size_t row, igi_rng rng)
     igi_vec sum = igi_v(0, 0, 0);
     igi_rng places = rng;
     for (int k = 0; k < j->options.light_points; k++)
-        sum = igi_add(sum, origin(j, j->rows->side[row], k, j->options.light_points, &places).point);
+        sum = igi_add(sum,
+                      origin(j, j->rows->side[row], k, j->options.light_points, &places).point);
     sum = igi_scale(sum, 1 / (float)j->options.light_points);
     memcpy(j->rows->point + 3 * row, &sum, 3 * sizeof(float));
     for (size_t l = 0; l < j->rows->lights; l++) light_row(j, row, l, rng);
@@ -232,8 +235,16 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->side));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->row_of));
     start_with_seen(r, patches, sites, scene, options->wanted);
-    job j = {.scene = scene, .patches = patches, .tracer = tracer, .lighting = lighting,
-             .sites = sites, .options = *options, .rows = r, .shift = igi_hash64(igi_seed(ctx)), .begin = 0, .end = r->count};
+    job j = {.scene = scene,
+             .patches = patches,
+             .tracer = tracer,
+             .lighting = lighting,
+             .sites = sites,
+             .options = *options,
+             .rows = r,
+             .shift = igi_hash64(igi_seed(ctx)),
+             .begin = 0,
+             .end = r->count};
     while (j.begin < j.end) {
         IGI_TRY_GOTO(grow(ctx, r, j.begin, j.end, capacity));
         size_t tasks = (j.end - j.begin + ROWS_A_TASK - 1) / ROWS_A_TASK;

@@ -25,8 +25,8 @@ typedef struct igi_sites {
 } igi_sites;
 
 typedef struct igi_gather_options {
-    int rays;             /* K, rays of each row; 0: only the lights are looked for */
-    int light_points;     /* points of each row from which the lights are looked for; >= 1 */
+    int rays;              /* K, rays of each row; 0: only the lights are looked for */
+    int light_points;      /* points of each row from which the lights are looked for; >= 1 */
     const uint8_t *wanted; /* [2 patches] non-zero: a side that gets a row; NULL: every side with
                               sites, every side that their rays meet, and so on until no new side
                               is met */
@@ -40,14 +40,14 @@ typedef struct igi_rows {
     size_t seen_count; /* rows 0..seen_count-1 are sides with sites; the others were met by rays */
     int rays;
     size_t lights;
-    uint32_t *side;   /* [count] 2 patch + back */
-    uint32_t *row_of; /* [2 * patches] row of a side, or IGI_NO_ROW */
-    uint32_t *hits;   /* [count][rays] side met, or IGI_NO_SIDE: nothing, or a lamp */
-    float *direct;    /* [count][lights] irradiance per unit of the light's value */
-    float *open;      /* [count][lights] the same, as if nothing were in between: equal to direct
+    uint32_t *side;     /* [count] 2 patch + back */
+    uint32_t *row_of;   /* [2 * patches] row of a side, or IGI_NO_ROW */
+    uint32_t *hits;     /* [count][rays] side met, or IGI_NO_SIDE: nothing, or a lamp */
+    float *direct;      /* [count][lights] irradiance per unit of the light's value */
+    float *open;        /* [count][lights] the same, as if nothing were in between: equal to direct
                          where each shadow ray arrived */
     float *visible_var; /* [count][lights] variance of direct / open, as the shadow rays scatter */
-    float *point;     /* [count][3] mean place of what it starts from */
+    float *point;       /* [count][3] mean place of what it starts from */
 } igi_rows;
 
 /* Emitters reflect nothing and get no row. */

@@ -9,7 +9,8 @@
 
 static igi_vec vertex(const igi_mesh *mesh, uint32_t triangle, int k)
 {
-    return igi_v_of(mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)(k % 3)]);
+    return igi_v_of(mesh->positions +
+                    3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)(k % 3)]);
 }
 
 static uint16_t cells_along(float length, float size)
@@ -111,15 +112,17 @@ static igi_status number_patches(igi_context *ctx, igi_patches *p)
     }
     qsort(keys, small_count, sizeof *keys, compare_keys);
     for (size_t i = 0; i < small_count; i++) {
-        if (i > 0 && same_group(&keys[i - 1], &keys[i])) p->next[keys[i - 1].triangle] = keys[i].triangle;
+        if (i > 0 && same_group(&keys[i - 1], &keys[i]))
+            p->next[keys[i - 1].triangle] = keys[i].triangle;
         else count++;
         p->lattices[keys[i].triangle].first = (uint32_t)(count - 1);
     }
     igi_free(keys);
     p->count = count;
     if (count >= UINT32_MAX / 4)
-        return igi_fail(ctx, IGI_E_DATA, "mesh: %zu patches of %g m are too many; ask for larger ones",
-                        count, (double)p->size_m);
+        return igi_fail(ctx, IGI_E_DATA,
+                        "mesh: %zu patches of %g m are too many; ask for larger ones", count,
+                        (double)p->size_m);
     return IGI_OK;
 }
 
@@ -214,11 +217,13 @@ void igi_patch_place(const igi_patches *patches, uint32_t triangle, float u, flo
     *t = *t * (float)l->nv - (float)(cell / l->nu);
 }
 
-void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u, float *v)
+void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u,
+                     float *v)
 {
     const igi_triangle_lattice *l = &patches->lattices[patches->triangle[patch]];
     uint32_t cell = patch - l->first;
-    float a = ((float)(cell % l->nu) + s) / (float)l->nu, b = ((float)(cell / l->nu) + t) / (float)l->nv;
+    float a = ((float)(cell % l->nu) + s) / (float)l->nu,
+          b = ((float)(cell / l->nu) + t) / (float)l->nv;
     float excess = fmaxf(0.0f, a + b - 1) / 2;
     from_lattice(l, fmaxf(0.0f, a - excess), fmaxf(0.0f, b - excess), u, v);
 }
@@ -242,7 +247,8 @@ void igi_patch_sample(const igi_patches *patches, uint32_t patch, igi_rng *rng, 
     const igi_triangle_lattice *l = &patches->lattices[*triangle];
     uint32_t cell = patch - l->first;
     float s = 0, t = 0;
-    for (int attempt = 0; attempt < 64; attempt++) { /* a cell holds a corner of the triangle at least */
+    for (int attempt = 0; attempt < 64;
+         attempt++) { /* a cell holds a corner of the triangle at least */
         s = ((float)(cell % l->nu) + igi_rng_float(rng)) / (float)l->nu;
         t = ((float)(cell / l->nu) + igi_rng_float(rng)) / (float)l->nv;
         if (s + t <= 1) break;

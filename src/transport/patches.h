@@ -13,9 +13,9 @@
 #include "trace/trace.h"
 
 typedef struct igi_triangle_lattice {
-    uint32_t first; /* its first patch */
+    uint32_t first;  /* its first patch */
     uint16_t nu, nv; /* cells along the two edges from `corner`; 1 x 1: the whole triangle */
-    uint8_t corner; /* 0..2: the vertex whose angle is largest, where u and v start */
+    uint8_t corner;  /* 0..2: the vertex whose angle is largest, where u and v start */
 } igi_triangle_lattice;
 
 typedef struct igi_patches {
@@ -23,9 +23,9 @@ typedef struct igi_patches {
     float size_m; /* the side that was aimed at */
     size_t count; /* patches; some cells beyond a triangle's long edge are empty */
     igi_triangle_lattice *lattices; /* [triangle_count] */
-    uint32_t *triangle;      /* [count] the triangle, or the first of the gathered ones */
-    uint32_t *next;          /* [triangle_count] the next of the gathered ones, or IGI_NO_HIT */
-    float *area;             /* [count] m^2 */
+    uint32_t *triangle;             /* [count] the triangle, or the first of the gathered ones */
+    uint32_t *next; /* [triangle_count] the next of the gathered ones, or IGI_NO_HIT */
+    float *area;    /* [count] m^2 */
 } igi_patches;
 
 /* size_m: side of a patch in metres, > 0. */
@@ -40,7 +40,8 @@ uint32_t igi_patch_at(const igi_patches *patches, uint32_t triangle, float u, fl
  * point of a patch there, moved into the triangle if need be. The patch must not be a gathered one. */
 void igi_patch_place(const igi_patches *patches, uint32_t triangle, float u, float v, float *s,
                      float *t);
-void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u, float *v);
+void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u,
+                     float *v);
 
 static inline uint32_t igi_patch_region(const igi_patches *patches, uint32_t patch)
 {
