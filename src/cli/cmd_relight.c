@@ -48,7 +48,7 @@ const cli_command cli_relight = {
     .name = "relight",
     .bit = CLI_RELIGHT,
     .arguments = 1,
-    .usage = "relight OUT --cameras T.json [--lights L.json] -o DIR",
+    .usage = "relight OUT --cameras T.json -o DIR",
     .summary = "pictures of a recovered scene under other lights",
     .example =
         "igi relight room.out --lights evening.json --cameras room/transforms.json -o evening",
