@@ -35,6 +35,7 @@ typedef struct igi_recover_options {
     double target_error; /* aimed at: mean over regions of the relative standard deviation of albedo
                              (patches only); 0: the default accuracy */
     double time_budget_s; /* CPU seconds that the diffuse solution may take in all; 0: no limit */
+    bool gather_from_photos; /* gather: rays look into the photographs, not at patches (default) */
 } igi_recover_options;
 
 IGI_API void igi_recover_options_init(igi_recover_options *options);

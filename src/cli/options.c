@@ -65,6 +65,8 @@ static const option options[] = {
      "exit with 1 when the mean albedo error is above it; a fraction, 0: never"},
     {"method", 0, CHOICE, CLI_RECOVER, AT(method), "patches|gather|radiosity|direct|yu99",
      "patches", 0, 0, "how light between surfaces is reckoned"},
+    {"gather-from", 0, CHOICE, CLI_RECOVER, AT(gather_from), "patches|photos", "patches", 0, 0,
+     "with --method gather: where the light that a ray meets is looked up"},
     {"model", 0, CHOICE, CLI_RECOVER, AT(model), "auto|lambert|ward|ggx|phong", "auto", 0, 0,
      "reflectance of the surfaces; auto: what the photographs ask for, region by region"},
     {"target-error", 0, REAL, CLI_RECOVER, AT(target_error), "E", "0", 0, 1,

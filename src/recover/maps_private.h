@@ -64,7 +64,4 @@ IGI_MUST_USE igi_status igi_texels_finish(igi_context *ctx, const igi_texels *te
 IGI_MUST_USE igi_status igi_fill_holes(igi_context *ctx, float *image, const float *weight,
                                        int size, int channels, const float *fallback);
 
-/* Side of a pixel on the surface, metres: the root of its footprint's area. */
-float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v);
-
 #endif

@@ -106,18 +106,6 @@ static void keep(igi_texels *t, float x, float y, float weight, const sample *s)
     }
 }
 
-float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v)
-{
-    const igi_camera *camera = &problem->scene->frames[frame].camera;
-    uint32_t triangle = igi_surface_triangle(surface);
-    igi_vec point = igi_triangle_point(&problem->scene->mesh, triangle, u, v);
-    igi_vec d = igi_sub(point, igi_camera_centre(camera));
-    float distance2 = igi_dot(d, d);
-    float cosine = fabsf(igi_dot(d, igi_tracer_normal(problem->tracer, triangle))) /
-                   sqrtf(distance2);
-    return sqrtf(distance2 / (float)(camera->fl_x * camera->fl_y) / fmaxf(cosine, 0.02f));
-}
-
 /* Side of a texel on the surface, metres. */
 static float texel_side(const igi_layout *layout, uint32_t triangle, int size)
 {

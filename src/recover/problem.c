@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "recover/problem.h"
 
+#include "scene/camera.h"
+
 #include <string.h>
 
 /* A pixel farther than this many standard deviations from its side's mean is left out: fireflies,
@@ -182,6 +184,18 @@ igi_sites igi_problem_sites(const igi_problem *problem)
 {
     return (igi_sites){problem->site_begin, problem->order, problem->observations->surface,
                        problem->observations->uv};
+}
+
+float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v)
+{
+    const igi_camera *camera = &problem->scene->frames[frame].camera;
+    uint32_t triangle = igi_surface_triangle(surface);
+    igi_vec point = igi_triangle_point(&problem->scene->mesh, triangle, u, v);
+    igi_vec d = igi_sub(point, igi_camera_centre(camera));
+    float distance2 = igi_dot(d, d);
+    float cosine = fabsf(igi_dot(d, igi_tracer_normal(problem->tracer, triangle))) /
+                   sqrtf(distance2);
+    return sqrtf(distance2 / (float)(camera->fl_x * camera->fl_y) / fmaxf(cosine, 0.02f));
 }
 
 igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem, igi_diffuse **diffuse)

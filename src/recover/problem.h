@@ -46,6 +46,9 @@ static inline size_t igi_problem_seen_count(const igi_problem *p, uint32_t side)
     return p->site_begin[side + 1] - p->site_begin[side];
 }
 
+/* Side of a frame's pixel on the surface, metres: the root of its footprint's area. */
+float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v);
+
 /* What lobes add to diffuse transport, to be taken out of it: see recover/specular.h. */
 typedef struct igi_correction {
     float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side, */

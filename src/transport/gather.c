@@ -96,6 +96,7 @@ static void gather_indirect(const job *j, size_t row, igi_rng *rng)
         place p = origin(j, r->side[row], k, r->rays, rng);
         igi_hit hit = igi_trace(j->tracer, p.point, igi_cosine_direction(p.normal, u, v));
         r->hits[row * (size_t)r->rays + (size_t)k] = met(j, &hit);
+        if (r->met) r->met[row * (size_t)r->rays + (size_t)k] = hit;
     }
 }
 
@@ -235,6 +236,8 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->side));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->row_of));
     start_with_seen(r, patches, sites, scene, options->wanted);
+    if (options->wanted && options->keep_met)
+        IGI_TRY_GOTO(IGI_ALLOC(ctx, r->count * (size_t)r->rays, &r->met));
     job j = {.scene = scene,
              .patches = patches,
              .tracer = tracer,
@@ -266,6 +269,7 @@ void igi_rows_destroy(igi_rows *rows)
     igi_free(rows->side);
     igi_free(rows->row_of);
     igi_free(rows->hits);
+    igi_free(rows->met);
     igi_free(rows->direct);
     igi_free(rows->open);
     igi_free(rows->visible_var);

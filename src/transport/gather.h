@@ -30,6 +30,7 @@ typedef struct igi_gather_options {
     const uint8_t *wanted; /* [2 patches] non-zero: a side that gets a row; NULL: every side with
                               sites, every side that their rays meet, and so on until no new side
                               is met */
+    bool keep_met;         /* of wanted sides: fill in igi_rows.met */
 } igi_gather_options;
 
 #define IGI_NO_ROW UINT32_MAX
@@ -43,6 +44,7 @@ typedef struct igi_rows {
     uint32_t *side;     /* [count] 2 patch + back */
     uint32_t *row_of;   /* [2 * patches] row of a side, or IGI_NO_ROW */
     uint32_t *hits;     /* [count][rays] side met, or IGI_NO_SIDE: nothing, or a lamp */
+    igi_hit *met;       /* [count][rays] the hits themselves; NULL unless asked for */
     float *direct;      /* [count][lights] irradiance per unit of the light's value */
     float *open;        /* [count][lights] the same, as if nothing were in between: equal to direct
                          where each shadow ray arrived */

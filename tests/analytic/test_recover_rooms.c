@@ -124,6 +124,55 @@ static void cornell_of_unknown_lamp(void)
     close_room(&r);
 }
 
+/* Mean over regions and bands of |a - b| / b. */
+static double difference(const igi_materials *a, const igi_materials *b)
+{
+    double sum = 0, n = 0;
+    for (size_t i = 0; i < a->count; i++)
+        for (int k = 0; k < a->bands && !a->materials[i].emitter; k++, n++)
+            sum += fabs(a->materials[i].albedo[k] / b->materials[i].albedo[k] - 1);
+    return sum / n;
+}
+
+/* Looking light up in the photographs or on the patches is one thing; leaving it out is another. */
+static void ways_to_gather(void)
+{
+    enum { PATCHES, PHOTOS, DIRECT, WAYS };
+    room r;
+    igi_recovery *got[WAYS] = {NULL};
+    if (open_room("scenes/cornell-diffuse", 1, &r)) {
+        igi_recover_options options;
+        igi_recover_options_init(&options);
+        options.map_size = 16; /* of no interest here */
+        for (int way = 0; way < WAYS; way++) {
+            options.method = way == DIRECT ? IGI_METHOD_DIRECT : IGI_METHOD_GATHER;
+            options.gather_from_photos = way == PHOTOS;
+            CHECK_OK(r.ctx, igi_recover(r.ctx, r.scene, &options, &got[way]));
+        }
+        if (got[PATCHES] && got[PHOTOS] && got[DIRECT]) {
+            double apart = difference(got[PHOTOS]->materials, got[PATCHES]->materials);
+            CHECK(apart > 0);
+            CHECK(apart < 0.02);
+            CHECK(difference(got[DIRECT]->materials, got[PHOTOS]->materials) > 0.2);
+        }
+    }
+    for (int way = 0; way < WAYS; way++) igi_recovery_destroy(got[way]);
+    close_room(&r);
+}
+
+/* One pixel for each ray: noisier than patches, and as right on average. */
+static void gather_from_photos(void)
+{
+    room r;
+    igi_recover_options options;
+    igi_recover_options_init(&options);
+    options.method = IGI_METHOD_GATHER;
+    options.gather_from_photos = true;
+    if (open_room("scenes/cornell-diffuse", 1, &r) && judge(&r, &options))
+        CHECK(r.errors->albedo_mean <= 0.01);
+    close_room(&r);
+}
+
 static void office(void)
 {
     room r;
@@ -148,5 +197,6 @@ static void cubical_room(void)
 
 TEST_MAIN({"cornell", cornell}, {"cornell_of_other_seeds", cornell_of_other_seeds},
           {"cornell_of_six_views", cornell_of_six_views},
-          {"cornell_of_unknown_lamp", cornell_of_unknown_lamp}, {"office", office},
+          {"cornell_of_unknown_lamp", cornell_of_unknown_lamp}, {"ways_to_gather", ways_to_gather},
+          {"gather_from_photos", gather_from_photos}, {"office", office},
           {"cubical_room", cubical_room})
