@@ -15,6 +15,7 @@
 
 #define GRID 13
 #define FINE 5
+#define FEWEST_RESIDUALS 10
 #define FINE_RATIO 1.13
 #define ROUNDS 4
 /* Errors of the irradiance are alike over pieces of a region: they do not average out like noise.
@@ -256,22 +257,40 @@ static igi_status fit_coarsely(igi_context *ctx, igi_profile *f, igi_model model
     return IGI_OK;
 }
 
+/* What no lobe at all leaves; false: there is too little to judge by. */
+static bool judge_plain(igi_profile *f, igi_model model, igi_lobe_estimate *estimate)
+{
+    size_t unknowns = f->h->groups * f->bands + 2;
+    *estimate = (igi_lobe_estimate){.model = model, .at_bound = true};
+    estimate->residuals = (double)(f->n * f->bands) - (double)unknowns;
+    if (estimate->residuals < FEWEST_RESIDUALS) return false;
+    igi_profile_column none = {NULL, NULL, NULL, 0};
+    for (int round = 0; round < 2; round++) {
+        (void)igi_profile_evaluate(f, &none);
+        estimate->plain_deviance = igi_profile_reweigh(f, &none, 0, false, &estimate->noise);
+    }
+    return true;
+}
+
+igi_status igi_lobe_glance(igi_context *ctx, const igi_highlights *highlights, igi_model model,
+                           igi_lobe_estimate *estimate)
+{
+    igi_profile f;
+    IGI_TRY(igi_profile_create(ctx, highlights, &f));
+    igi_status status = IGI_OK;
+    if (judge_plain(&f, model, estimate)) status = fit_coarsely(ctx, &f, model, estimate);
+    igi_profile_clear(&f);
+    return status;
+}
+
 igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_model model,
                         double near_alpha, igi_lobe_estimate *estimate)
 {
     igi_status status = IGI_OK;
     igi_profile f;
-    size_t unknowns = highlights->groups * (size_t)highlights->bands + 2;
-    *estimate = (igi_lobe_estimate){.model = model, .alpha = near_alpha, .at_bound = true};
-    estimate->residuals = (double)(highlights->count * (size_t)highlights->bands) -
-                          (double)unknowns;
-    if (estimate->residuals < 10) return IGI_OK;
     IGI_TRY(igi_profile_create(ctx, highlights, &f));
-    igi_profile_column none = {NULL, NULL, NULL, 0};
-    for (int round = 0; round < 2; round++) {
-        (void)igi_profile_evaluate(&f, &none);
-        estimate->plain_deviance = igi_profile_reweigh(&f, &none, 0, false, &estimate->noise);
-    }
+    if (!judge_plain(&f, model, estimate)) goto cleanup;
+    estimate->alpha = near_alpha;
     if (!(near_alpha > 0)) IGI_TRY_GOTO(fit_coarsely(ctx, &f, model, estimate));
     IGI_TRY_GOTO(fit_finely(ctx, &f, model, estimate));
 cleanup:

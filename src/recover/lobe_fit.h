@@ -24,6 +24,10 @@ typedef struct igi_lobe_estimate {
     double albedo[IGI_MAX_BANDS]; /* of the first group: the region's, where it is one group */
 } igi_lobe_estimate;
 
+/* The same on a coarse grid of roughnesses alone: enough to see whether there is a lobe at all. */
+IGI_MUST_USE igi_status igi_lobe_glance(igi_context *ctx, const igi_highlights *highlights,
+                                        igi_model model, igi_lobe_estimate *estimate);
+
 /* The best lobe of the given model. near_alpha: look about it only; 0: everywhere. */
 IGI_MUST_USE igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights,
                                      igi_model model, double near_alpha,

@@ -157,21 +157,37 @@ static bool is_better(const igi_lobe_estimate *later, const igi_lobe_estimate *b
     return later->deviance < best->deviance - MODEL_GAIN - MODEL_SHARE * later->residuals;
 }
 
+static igi_status choose_highlights(igi_context *ctx, const stage *s, size_t region,
+                                    igi_highlight_options options, igi_highlights **h)
+{
+    irradiance_source source = {s->field->problem, s->irradiance};
+    options.per_point = is_per_point(s->field->problem, region);
+    options.candidates = &s->candidates;
+    return igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options, irradiance_at,
+                                 &source, h);
+}
+
+/* A first look with few pixels: is there a lobe at all? */
+static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t region,
+                                   igi_highlight_options options, igi_model model)
+{
+    igi_highlights *h = NULL;
+    IGI_TRY(choose_highlights(ctx, s, region, options, &h));
+    igi_status status = igi_lobe_glance(ctx, h, model, &s->specular->estimates[region]);
+    igi_highlights_destroy(h);
+    return status;
+}
+
 /* The best of the given models on one choice of highlights. */
 static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
                              igi_highlight_options options, const igi_model *models, size_t count)
 {
-    const igi_problem *p = s->field->problem;
     igi_highlights *h = NULL;
     igi_status status = IGI_OK;
     igi_lobe_estimate *best = &s->specular->estimates[region], found;
     igi_model before = best->model;
     double near_alpha = best->alpha;
-    irradiance_source source = {p, s->irradiance};
-    options.per_point = is_per_point(p, region);
-    options.candidates = &s->candidates;
-    IGI_TRY_GOTO(igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options,
-                                       irradiance_at, &source, &h));
+    IGI_TRY_GOTO(choose_highlights(ctx, s, region, options, &h));
     for (size_t i = 0; i < count; i++) {
         double start = before == IGI_LAMBERT ? 0 : near_alpha;
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
@@ -237,7 +253,7 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
         igi_lobe_estimate *e = &s->specular->estimates[r];
-        IGI_TRY(fit_region(ctx, s, r, options, models, 1));
+        IGI_TRY(glance_at_region(ctx, s, r, options, models[0]));
         if (is_hinted(e)) {
             igi_highlight_options closer = options;
             closer.scored = 20000;
