@@ -10,10 +10,15 @@
 
 static void trace_pixels(const igi_tracer *tracer, const igi_camera *camera, igi_hit *hits)
 {
-    igi_vec centre = igi_camera_centre(camera);
+    igi_vec centre = igi_camera_centre(camera), directions[IGI_TRACE_BUNDLE];
     for (int y = 0; y < camera->height; y++)
-        for (int x = 0; x < camera->width; x++)
-            *hits++ = igi_trace(tracer, centre, igi_camera_direction(camera, x + 0.5, y + 0.5));
+        for (int x = 0; x < camera->width; x += IGI_TRACE_BUNDLE) {
+            int count = camera->width - x < IGI_TRACE_BUNDLE ? camera->width - x : IGI_TRACE_BUNDLE;
+            for (int i = 0; i < count; i++)
+                directions[i] = igi_camera_direction(camera, x + i + 0.5, y + 0.5);
+            igi_trace_bundle(tracer, centre, directions, count, hits);
+            hits += count;
+        }
 }
 
 static bool is_edge(const igi_scene *scene, const igi_tracer *tracer, const igi_hit *a,

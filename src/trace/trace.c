@@ -153,6 +153,50 @@ igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction)
     return nearest(tracer, origin, direction, tracer->epsilon);
 }
 
+void igi_trace_bundle(const igi_tracer *tracer, igi_vec origin, const igi_vec *directions,
+                      int count, igi_hit *hits)
+{
+    struct RTCRayHit8 r;
+    _Alignas(32) int valid[IGI_TRACE_BUNDLE]; /* Embree asks for it */
+    for (int i = 0; i < IGI_TRACE_BUNDLE; i++) {
+        igi_vec d = directions[i < count ? i : 0];
+        valid[i] = i < count ? -1 : 0;
+        r.ray.org_x[i] = origin.x;
+        r.ray.org_y[i] = origin.y;
+        r.ray.org_z[i] = origin.z;
+        r.ray.dir_x[i] = d.x;
+        r.ray.dir_y[i] = d.y;
+        r.ray.dir_z[i] = d.z;
+        r.ray.tnear[i] = tracer->epsilon;
+        r.ray.tfar[i] = INFINITY;
+        r.ray.time[i] = 0;
+        r.ray.mask[i] = UINT32_MAX;
+        r.ray.id[i] = r.ray.flags[i] = 0;
+        r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    }
+#if IGI_EMBREE_MAJOR >= 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    rtcIntersect8(valid, tracer->scene, &r, &arguments);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect8(valid, tracer->scene, &context, &r);
+#endif
+    for (int i = 0; i < count; i++) {
+        hits[i] = (igi_hit){.triangle = IGI_NO_HIT, .distance = INFINITY};
+        if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        igi_vec normal = igi_v(r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]);
+        hits[i] = (igi_hit){.triangle = r.hit.primID[i],
+                            .u = r.hit.u[i],
+                            .v = r.hit.v[i],
+                            .distance = r.ray.tfar[i],
+                            .back = igi_dot(normal, directions[i]) > 0};
+    }
+}
+
 igi_hit igi_trace_off(const igi_tracer *tracer, igi_vec point, igi_vec normal, igi_vec direction)
 {
     return nearest(tracer, igi_madd(point, normal, OFF_SURFACE * tracer->size), direction, 0);

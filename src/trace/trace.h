@@ -36,6 +36,12 @@ igi_hit igi_trace(const igi_tracer *tracer, igi_vec origin, igi_vec direction);
  * in a cube, at its edges, which a room of albedo .99 makes one per cent.) */
 igi_hit igi_trace_off(const igi_tracer *tracer, igi_vec point, igi_vec normal, igi_vec direction);
 
+#define IGI_TRACE_BUNDLE 8
+/* The same for `count` <= IGI_TRACE_BUNDLE rays from one point at once: quicker for rays that stay
+ * together, like those of neighbouring pixels. */
+void igi_trace_bundle(const igi_tracer *tracer, igi_vec origin, const igi_vec *directions,
+                      int count, igi_hit *hits);
+
 /* Is anything between the two points, ends excluded? */
 bool igi_occluded(const igi_tracer *tracer, igi_vec from, igi_vec to);
 /* Is anything in this direction, at any distance up to `limit` metres (INFINITY: all)? */
