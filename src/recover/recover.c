@@ -2,10 +2,10 @@
  *
  * The whole way: photographs → observations → patches → albedo → materials.
  */
-#include "recover/compare.h"
-#include "recover/methods.h"
-#include "recover/specular.h"
-#include "recover/yu99.h"
+#include "maps/compare.h"
+#include "diffuse/methods.h"
+#include "specular/specular.h"
+#include "specular/yu99.h"
 
 #include <string.h>
 

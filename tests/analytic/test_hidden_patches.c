@@ -7,7 +7,7 @@
 #include "test.h"
 
 #include "base/rng.h"
-#include "recover/methods.h"
+#include "diffuse/methods.h"
 #include "rooms.h"
 #include "transport/form_factor.h"
 #include "transport/radiosity.h"

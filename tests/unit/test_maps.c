@@ -6,7 +6,7 @@
 #include "test.h"
 
 #include "base/rng.h"
-#include "recover/maps_private.h"
+#include "maps/maps_private.h"
 #include "rooms.h"
 
 #include <string.h>

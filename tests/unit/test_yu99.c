@@ -6,7 +6,7 @@
 
 #include "base/rng.h"
 #include "brdf/brdf.h"
-#include "recover/yu99.h"
+#include "specular/yu99.h"
 
 #define POINTS 240
 #define LINKS 33 /* a lamp near the mirror direction, and the rest of the hemisphere */

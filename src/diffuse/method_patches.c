@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Every patch gathers from every other; unseen ones are solved.
+ *
+ * For row i (a side of a patch) with rays k = 1..K, per band,
+ *     E_i = sum_l G_il value_l + (pi / K) sum_k L(hit_ik)
+ * where L of a seen side is what the photographs show. The albedo of region r is the ratio
+ *     rho_r = pi sum_i a_i L_i / sum_i a_i E_i        over the seen sides i of r, a_i their areas:
+ * a ratio of sums, not a mean of ratios, because E_i is noisy and its reciprocal would be biased;
+ * and not least squares, because noise in the regressor E_i biases those low (errors in variables).
+ * L of an unseen side is rho_r E_i / pi. Sweeps over both until they settle: the fixed point of
+ * (I - rho F) b = e restricted to the unseen, which contracts by rho times the unseen share.
+ *
+ * Uncertainty: the residuals d_i = pi L_i - rho E_i hold the noise of photographs and of sampling
+ * alike. Neighbours share errors (a shadow edge, a bright hit), so residuals are summed over cells
+ * of a coarse grid before they are squared (a cluster-robust sandwich; White 1980, Liang & Zeger
+ * 1986).
+ */
+#include "diffuse/methods.h"
+
+#include "diffuse/region_sums.h"
+
+#define DEFAULT_RAYS 64
+#define FEWEST_RAYS 8
+#define MOST_RAYS 1024
+#define DARK_ALBEDO 0.02 /* errors of darker surfaces are judged as if they were this bright */
+#define MAX_SWEEPS 200
+/* Relative change of the unseen radiances at which the sweeps end. The albedos settle far sooner:
+ * by then they change by less than a millionth. */
+#define SETTLED 1e-3
+#define ALBEDO_COUNTS 1000
+
+typedef struct solver {
+    const igi_problem *problem;
+    const igi_rows *rows;
+    size_t bands;
+    float *radiance;   /* [2 patches][bands] of every side; seen ones stay as they are */
+    float *direct;     /* [rows][bands] irradiance by the lights */
+    float *irradiance; /* [rows][bands] */
+    igi_places places; /* of the seen rows */
+    double (*albedo)[IGI_MAX_BANDS];
+} solver;
+
+static void gather_row(const solver *s, size_t row)
+{
+    float *irradiance = s->irradiance + row * s->bands;
+    igi_row_indirect(s->rows, row, s->radiance, (int)s->bands, irradiance);
+    for (size_t b = 0; b < s->bands; b++) irradiance[b] += s->direct[row * s->bands + b];
+}
+
+/* Radiance of an unseen side from what it gathers; its relative change. */
+static double update_unseen(const solver *s, size_t row)
+{
+    uint32_t side = s->rows->side[row];
+    const double *albedo = s->albedo[igi_patch_region(s->problem->patches, side >> 1)];
+    double change = 0;
+    for (size_t b = 0; b < s->bands; b++) {
+        float *radiance = &s->radiance[side * s->bands + b];
+        float updated = (float)(albedo[b] / IGI_PI) * s->irradiance[row * s->bands + b];
+        change = fmax(change, fabs((double)(updated - *radiance)) / (1e-3 + (double)updated));
+        *radiance = updated;
+    }
+    return change;
+}
+
+/* One sweep of Gauss and Seidel; the largest relative change of a radiance, or ALBEDO_COUNTS times
+ * that of an albedo. */
+static double sweep(const solver *s, igi_region_sums *sums)
+{
+    const igi_rows *r = s->rows;
+    for (size_t i = 0; i < r->seen_count; i++) gather_row(s, i);
+    double change = igi_region_sums_albedo(sums, &s->places, s->albedo) * ALBEDO_COUNTS;
+    for (size_t i = r->seen_count; i < r->count; i++) {
+        gather_row(s, i);
+        change = fmax(change, update_unseen(s, i));
+    }
+    return change;
+}
+
+/* Irradiance that no sweep changes: of the lamps, and of the lobes. */
+static void fill_direct(const solver *s, const igi_correction *correction)
+{
+    for (size_t i = 0; i < s->rows->count; i++) {
+        float *direct = s->direct + i * s->bands;
+        igi_row_direct(s->rows, i, s->problem->lights, (int)s->bands, direct);
+        for (size_t b = 0; correction && b < s->bands; b++)
+            direct[b] += correction->received[i * s->bands + b];
+    }
+}
+
+/* What was seen, less the lobes' part of it. */
+static void fill_seen(const solver *s, const igi_correction *correction)
+{
+    for (size_t i = 0; i < s->rows->seen_count; i++)
+        for (size_t b = 0; b < s->bands; b++) {
+            size_t k = s->rows->side[i] * s->bands + b;
+            s->radiance[k] = s->problem->seen[k] - (correction ? correction->seen[k] : 0);
+            s->places.radiance[i * s->bands + b] = s->radiance[k];
+        }
+}
+
+igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
+                             const igi_correction *correction, igi_diffuse *diffuse)
+{
+    igi_status status = IGI_OK;
+    igi_region_sums *sums = NULL;
+    solver s = {.problem = problem,
+                .rows = diffuse->rows,
+                .bands = (size_t)problem->bands,
+                .radiance = diffuse->radiance,
+                .albedo = diffuse->albedo};
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.direct));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.irradiance));
+    IGI_TRY_GOTO(igi_places_create(ctx, problem, s.rows, s.irradiance, &s.places));
+    diffuse->received = correction ? correction->received : NULL;
+    fill_direct(&s, correction);
+    fill_seen(&s, correction);
+    IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));
+    for (int i = 0; i < MAX_SWEEPS; i++)
+        if (sweep(&s, sums) < SETTLED) break;
+    IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &s.places, diffuse));
+cleanup:
+    igi_free(s.direct);
+    igi_free(s.irradiance);
+    igi_places_clear(&s.places);
+    igi_region_sums_destroy(sums);
+    return status;
+}
+
+static igi_status gather_and_solve(igi_context *ctx, const igi_problem *problem, int rays,
+                                   igi_diffuse *diffuse)
+{
+    igi_gather_options options = {.rays = rays, .light_points = rays > 4 ? rays / 5 : 1};
+    igi_sites sites = igi_problem_sites(problem);
+    igi_rows_destroy(diffuse->rows);
+    diffuse->rows = NULL;
+    igi_stage_begin(ctx, "gather");
+    IGI_TRY(igi_rows_create(ctx, problem->scene, problem->patches, problem->tracer,
+                            problem->lighting, &sites, &options, &diffuse->rows));
+    igi_stage_begin(ctx, "solve");
+    return igi_patches_solve(ctx, problem, NULL, diffuse);
+}
+
+/* Mean over the determined regions of the albedo's relative standard deviation. */
+static double stated_error(const igi_problem *p, const igi_diffuse *d)
+{
+    double sum = 0, n = 0;
+    for (size_t r = 0; r < p->scene->region_count; r++)
+        for (int b = 0; b < p->bands && d->determined[r]; b++) {
+            sum += d->albedo_std[r][b] / fmax(d->albedo[r][b], DARK_ALBEDO);
+            n++;
+        }
+    return n > 0 ? sum / n : 0;
+}
+
+/* Without a target or a budget: once, with the default rays. With them: rays are doubled from few
+ * until the stated error is below the target, or the next doubling would not fit into the budget. */
+igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
+{
+    const igi_recover_options *o = problem->options;
+    bool adapts = o->rays == 0 && (o->target_error > 0 || o->time_budget_s > 0);
+    int rays = o->rays ? o->rays : adapts ? FEWEST_RAYS : DEFAULT_RAYS;
+    for (;; rays *= 2) {
+        double before = igi_cpu_seconds();
+        IGI_TRY(gather_and_solve(ctx, problem, rays, diffuse));
+        if (!adapts || 2 * rays > MOST_RAYS) return IGI_OK;
+        if (o->target_error > 0 && stated_error(problem, diffuse) <= o->target_error) return IGI_OK;
+        double next = 2 * (igi_cpu_seconds() - before);
+        if (o->time_budget_s > 0 && igi_cpu_seconds() + next > o->time_budget_s) return IGI_OK;
+    }
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What every method of recovery starts from, and what it hands on.
+ */
+#ifndef IGI_SRC_DIFFUSE_PROBLEM_H
+#define IGI_SRC_DIFFUSE_PROBLEM_H
+
+#include "observe/observations.h"
+#include "transport/gather.h"
+
+#include <igi/recover.h>
+
+/* The photographs on the patches: what was seen of each side of each patch. */
+struct igi_lobe_view; /* recover/lobe_view.h */
+
+typedef struct igi_problem {
+    const igi_scene *scene;
+    const igi_tracer *tracer;
+    const igi_observations *observations;
+    const igi_patches *patches;
+    const igi_recover_options *options;
+    igi_lighting *lighting;
+    igi_light *lights; /* [scene->light_count] the scene's, with values read from the photographs */
+    double (*light_std)[IGI_MAX_BANDS]; /* [scene->light_count] */
+    int bands;
+
+    size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */
+    uint32_t *order;    /* [observations] */
+    float *seen;        /* [2 patches][bands] mean radiance seen of a side; 0 where nothing was */
+    const struct igi_lobe_view *lobes; /* what was found of lobes, or NULL; the caller's */
+    float *seen_var;                   /* [2 patches] variance of that mean, average of the bands */
+} igi_problem;
+
+IGI_MUST_USE igi_status igi_problem_create(igi_context *ctx, const igi_scene *scene,
+                                           const igi_tracer *tracer,
+                                           const igi_observations *observations,
+                                           const igi_patches *patches,
+                                           const igi_recover_options *options,
+                                           igi_problem **problem);
+void igi_problem_destroy(igi_problem *problem);
+
+igi_sites igi_problem_sites(const igi_problem *problem);
+
+static inline size_t igi_problem_seen_count(const igi_problem *p, uint32_t side)
+{
+    return p->site_begin[side + 1] - p->site_begin[side];
+}
+
+/* Side of a frame's pixel on the surface, metres: the root of its footprint's area. */
+float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v);
+
+/* What lobes add to diffuse transport, to be taken out of it: see recover/specular.h. */
+typedef struct igi_correction {
+    float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side, */
+    float *surfaces; /* [2 patches][bands] and of that the part that came from no lamp */
+    float *received; /* [rows][bands] irradiance that lobes send beyond the diffuse part */
+} igi_correction;
+
+/* What a method finds. */
+typedef struct igi_diffuse {
+    double (*albedo)[IGI_MAX_BANDS];     /* [regions] */
+    double (*albedo_std)[IGI_MAX_BANDS]; /* [regions] one standard deviation */
+    bool *determined;                    /* [regions] */
+    float
+        *radiance; /* [2 patches][bands] radiance that leaves each side: what was seen, and what the
+                        method solved for; irradiance is gathered from it afterwards */
+    igi_rows *rows;        /* the rows that the method gathered with, or NULL: owned */
+    const float *received; /* [rows][bands] irradiance that lobes add to the rows', or NULL; the
+                              caller's */
+    bool ignores_indirect; /* the method knows no light but the lamps' */
+} igi_diffuse;
+
+IGI_MUST_USE igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem,
+                                           igi_diffuse **diffuse);
+void igi_diffuse_destroy(igi_diffuse *diffuse);
+
+#endif

@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * rho = pi sum w L / sum w E of each texel, over the pixels in it: a ratio of sums, since a mean of
+ * ratios would be biased by noise in E. A pixel is shared by the four texels about it. Its weight
+ * falls with its footprint: a pixel that covers many texels tells little of each.
+ *
+ * The standard deviation holds two things: how the pixels of a texel scatter about it (pooled with
+ * the region's, where they are few), which more of them average out, and the noise of E, which all
+ * pixels of a texel share, so that it stays.
+ */
+#include "maps/maps_private.h"
+
+#include "specular/lobe_view.h"
+#include "scene/camera.h"
+
+/* The pixels of a texel count as much as the region's when they are this many. */
+#define POOLED 4.0f
+#define SITES_A_SIDE 8
+/* Share of the difference between neighbours that a texel's error is made of (measured on rooms
+ * with known textures). */
+#define BLUR 0.25f
+#define DARK_SHARE 0.02
+/* A pixel that is half highlight counts for a fifth. */
+#define HIGHLIGHT_PENALTY 16
+/* Pixels of a region are kept for sharpening up to this; of more, there are many in each texel. */
+#define KEPT_BYTES ((size_t)48 << 20)
+
+igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, igi_texels *texels)
+{
+    size_t n = (size_t)size * (size_t)size;
+    igi_status status = IGI_OK;
+    *texels = (igi_texels){.size = size, .bands = bands, .wraps = wraps};
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->weight));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->weight2));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n * (size_t)bands, &texels->reflected));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n * (size_t)bands, &texels->received));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->ratio2));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->received_var));
+cleanup:
+    if (status != IGI_OK) igi_texels_clear(texels);
+    return status;
+}
+
+void igi_texels_clear(igi_texels *texels)
+{
+    igi_free(texels->weight);
+    igi_free(texels->weight2);
+    igi_free(texels->reflected);
+    igi_free(texels->received);
+    igi_free(texels->ratio2);
+    igi_free(texels->received_var);
+    igi_free(texels->pixels);
+    *texels = (igi_texels){0};
+}
+
+typedef struct sample {
+    const float *radiance;   /* [bands] */
+    const float *irradiance; /* [bands] */
+    float ratio2, received_var;
+} sample;
+
+static sample make_sample(const igi_texels *t, const float *radiance, const float *irradiance,
+                          float std)
+{
+    float l = 0, e = 0;
+    for (int b = 0; b < t->bands; b++) {
+        l += radiance[b];
+        e += irradiance[b];
+    }
+    float ratio = e > 0 ? IGI_PIF * l / e : 0;
+    return (sample){radiance, irradiance, ratio * ratio, std * std};
+}
+
+static void add_to_texel(igi_texels *t, size_t texel, float w, const sample *s)
+{
+    size_t first = texel * (size_t)t->bands;
+    t->weight[texel] += w;
+    t->weight2[texel] += w * w;
+    t->ratio2[texel] += w * s->ratio2;
+    t->received_var[texel] += w * s->received_var;
+    for (size_t b = 0; b < (size_t)t->bands; b++) {
+        t->reflected[first + b] += w * IGI_PIF * s->radiance[b];
+        t->received[first + b] += w * s->irradiance[b];
+    }
+}
+
+static void splat(igi_texels *t, float x, float y, float weight, const sample *s)
+{
+    igi_taps taps;
+    igi_taps_at(t, x, y, &taps);
+    for (int k = 0; k < 4; k++)
+        if (weight * taps.weight[k] > 0) add_to_texel(t, taps.texel[k], weight * taps.weight[k], s);
+}
+
+/* Keeps the pixel for sharpening. */
+static void keep(igi_texels *t, float x, float y, float weight, const sample *s)
+{
+    size_t bands = (size_t)t->bands;
+    float *to = t->pixels + t->pixel_count++ * (3 + 2 * bands);
+    to[0] = x;
+    to[1] = y;
+    to[2] = weight;
+    for (size_t b = 0; b < bands; b++) {
+        to[3 + b] = IGI_PIF * s->radiance[b];
+        to[3 + bands + b] = s->irradiance[b];
+    }
+}
+
+/* Side of a texel on the surface, metres. */
+static float texel_side(const igi_layout *layout, uint32_t triangle, int size)
+{
+    const float *t = layout->uvs + 6 * (size_t)triangle;
+    float area = 0.5f * fabsf((t[2] - t[0]) * (t[5] - t[1]) - (t[3] - t[1]) * (t[4] - t[0]));
+    return area > 0 ? sqrtf(igi_triangle_area(&layout->scene->mesh, triangle) / area) / (float)size
+                    : 0;
+}
+
+/* The photographed radiance without the region's lobe; returns how far to trust the rest: what a
+ * highlight leaves is a difference of large numbers. */
+static float without_lobe(const igi_problem *problem, size_t observation, size_t frame,
+                          float *radiance)
+{
+    const igi_observations *o = problem->observations;
+    size_t bands = (size_t)o->bands;
+    float lobe[IGI_MAX_BANDS] = {0}, all = 0, part = 0;
+    if (problem->lobes)
+        igi_lobe_view_radiance(problem->lobes, problem, o->surface[observation],
+                               o->uv[2 * observation], o->uv[2 * observation + 1],
+                               igi_camera_centre(&problem->scene->frames[frame].camera), lobe);
+    for (size_t b = 0; b < bands; b++) {
+        radiance[b] = o->radiance[observation * bands + b] - lobe[b];
+        all += o->radiance[observation * bands + b];
+        part += lobe[b];
+    }
+    float share = all > 0 ? part / all : 0;
+    return 1 / (1 + HIGHLIGHT_PENALTY * share * share);
+}
+
+static void add_pixels_of_side(igi_texels *texels, const igi_problem *problem,
+                               const igi_field *field, const igi_layout *layout, uint32_t side)
+{
+    const igi_observations *o = problem->observations;
+    float std = igi_field_std(field, side), texel = 0;
+    uint32_t triangle = IGI_NO_HIT;
+    size_t frame = 0;
+    for (size_t n = problem->site_begin[side]; n < problem->site_begin[side + 1]; n++) {
+        size_t i = problem->order[n];
+        float u = o->uv[2 * i], v = o->uv[2 * i + 1], x, y, irradiance[IGI_MAX_BANDS];
+        while (i >= o->frame_begin[frame + 1]) frame++;
+        if (igi_surface_triangle(o->surface[i]) != triangle) {
+            triangle = igi_surface_triangle(o->surface[i]);
+            texel = texel_side(layout, triangle, texels->size);
+        }
+        float share = texel / fmaxf(igi_footprint(problem, frame, o->surface[i], u, v), 1e-9f);
+        float weight = fminf(1, share * share), radiance[IGI_MAX_BANDS];
+        weight *= without_lobe(problem, i, frame, radiance);
+        igi_field_irradiance(field, o->surface[i], u, v, irradiance);
+        igi_layout_place(layout, triangle, u, v, texels->size, &x, &y);
+        sample s = make_sample(texels, radiance, irradiance, std);
+        splat(texels, x, y, weight, &s);
+        if (texels->pixels) keep(texels, x, y, weight, &s);
+    }
+}
+
+igi_status igi_texels_add_pixels(igi_context *ctx, igi_texels *texels, const igi_problem *problem,
+                                 const igi_field *field, const igi_layout *layout,
+                                 const igi_region_sides *sides, uint32_t region)
+{
+    size_t begin = sides->begin[region], end = sides->begin[region + 1], pixels = 0;
+    size_t stride = 3 + 2 * (size_t)texels->bands;
+    for (size_t k = begin; k < end; k++) pixels += igi_problem_seen_count(problem, sides->sides[k]);
+    if (pixels * stride * sizeof(float) <= KEPT_BYTES)
+        IGI_TRY(IGI_ALLOC(ctx, pixels * stride, &texels->pixels));
+    for (size_t k = begin; k < end; k++)
+        add_pixels_of_side(texels, problem, field, layout, sides->sides[k]);
+    return igi_texels_sharpen(ctx, texels);
+}
+
+void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, const igi_field *field,
+                            const igi_layout *layout, const igi_region_sides *sides,
+                            uint32_t region)
+{
+    const igi_observations *o = problem->observations;
+    for (size_t k = sides->begin[region]; k < sides->begin[region + 1]; k++) {
+        uint32_t side = sides->sides[k];
+        float irradiance[IGI_MAX_BANDS];
+        float radiance[IGI_MAX_BANDS];
+        for (size_t b = 0; b < (size_t)problem->bands; b++) {
+            size_t at = side * (size_t)problem->bands + b;
+            radiance[b] = problem->seen[at] - (problem->lobes ? problem->lobes->seen[at] : 0);
+        }
+        if (!igi_field_of_side(field, side, irradiance)) continue;
+        sample s = make_sample(texels, radiance, irradiance, igi_field_std(field, side));
+        size_t begin = problem->site_begin[side], sites = igi_problem_seen_count(problem, side);
+        size_t taken = sites < SITES_A_SIDE ? sites : SITES_A_SIDE;
+        for (size_t n = 0; n < taken; n++) {
+            size_t i = problem->order[begin + n * sites / taken];
+            float x, y;
+            igi_layout_place(layout, igi_surface_triangle(o->surface[i]), o->uv[2 * i],
+                             o->uv[2 * i + 1], texels->size, &x, &y);
+            splat(texels, x, y, (float)sites / (float)taken, &s);
+        }
+    }
+}
+
+/* Relative variance of one pixel (weight 1) about its texel, over the region. */
+static float pixel_variance(const igi_texels *t)
+{
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < (size_t)t->size * (size_t)t->size; i++) {
+        if (!(t->weight[i] > 0)) continue;
+        float n = t->weight[i] * t->weight[i] / t->weight2[i], l = 0, e = 0;
+        if (n < 2) continue;
+        for (size_t b = 0; b < (size_t)t->bands; b++) {
+            l += t->reflected[i * (size_t)t->bands + b];
+            e += t->received[i * (size_t)t->bands + b];
+        }
+        if (!(l > 0) || !(e > 0)) continue;
+        float variance = fmaxf(0.0f, t->ratio2[i] / t->weight[i] * e * e / (l * l) - 1);
+        sum += (double)(variance * n);
+        count += (double)(n - 1);
+    }
+    return count > 0 ? (float)(sum / count) : 0.01f;
+}
+
+static float relative_variance(const igi_texels *t, size_t i, float pooled)
+{
+    float n = t->weight[i] * t->weight[i] / t->weight2[i], l = 0, e = 0, variance = pooled;
+    for (size_t b = 0; b < (size_t)t->bands; b++) {
+        l += t->reflected[i * (size_t)t->bands + b];
+        e += t->received[i * (size_t)t->bands + b];
+    }
+    if (l > 0 && e > 0) {
+        float own = fmaxf(0.0f, t->ratio2[i] / t->weight[i] * e * e / (l * l) - 1);
+        variance = (n * own + POOLED * pooled) / (n - 1 + POOLED);
+    }
+    return variance / fmaxf(n, 1) + t->received_var[i] / t->weight[i];
+}
+
+/* Light below which a texel tells nothing: a share of what the region's texels get on average. */
+static void find_darkness(const igi_texels *t, float *darkness)
+{
+    size_t bands = (size_t)t->bands;
+    double sum[IGI_MAX_BANDS] = {0}, weight = 0;
+    for (size_t i = 0; i < (size_t)t->size * (size_t)t->size; i++) {
+        weight += (double)t->weight[i];
+        for (size_t b = 0; b < bands; b++) sum[b] += (double)t->received[i * bands + b];
+    }
+    for (size_t b = 0; b < bands; b++)
+        darkness[b] = weight > 0 ? (float)(DARK_SHARE * sum[b] / weight) : 0;
+}
+
+/* Albedo, its standard deviation, and how far the texel is determined. false: it is not. */
+static bool finish_texel(const igi_texels *t, size_t i, float pooled, const float *darkness,
+                         float *albedo, float *std)
+{
+    size_t bands = (size_t)t->bands;
+    if (!(t->weight[i] > 0)) return false;
+    for (size_t b = 0; b < bands; b++)
+        if (!(t->received[i * bands + b] > darkness[b] * t->weight[i])) return false;
+    float relative = sqrtf(relative_variance(t, i, pooled));
+    for (size_t b = 0; b < bands; b++) {
+        albedo[b] = fmaxf(0.0f, t->reflected[i * bands + b] / t->received[i * bands + b]);
+        std[b] = relative * fmaxf(albedo[b], 1e-3f);
+    }
+    albedo[bands] = t->weight[i] / (t->weight[i] + 1);
+    return true;
+}
+
+/* Where the texture changes from texel to texel, what lies between is a guess: adds the mean square
+ * difference to the four neighbours, in part. */
+static void add_blur(const igi_texels *t, const igi_image *map, const float *known, igi_image *std)
+{
+    size_t bands = (size_t)t->bands, size = (size_t)t->size;
+    for (size_t i = 0; i < size * size; i++) {
+        if (!(known[i] > 0)) continue;
+        size_t near[4] = {i % size > 0 ? i - 1 : i, i % size < size - 1 ? i + 1 : i,
+                          i >= size ? i - size : i, i + size < size * size ? i + size : i};
+        for (size_t b = 0; b < bands; b++) {
+            float squares = 0, *s = &std->samples[i * bands + b];
+            for (int k = 0; k < 4; k++) {
+                if (!(known[near[k]] > 0)) continue;
+                float d = map->samples[near[k] * (bands + 1) + b] -
+                          map->samples[i * (bands + 1) + b];
+                squares += 0.25f * d * d;
+            }
+            *s = sqrtf(*s * *s + BLUR * BLUR * squares);
+        }
+    }
+}
+
+/* How far a filled-in texel may be off: as much as determined ones differ from the region's mean. */
+static void spread_of(const igi_texels *t, const igi_image *map, const igi_material *m,
+                      float *spread)
+{
+    for (int b = 0; b < t->bands; b++) {
+        double sum = 0, count = 0;
+        for (size_t i = 0; i < (size_t)t->size * (size_t)t->size; i++) {
+            const float *texel = map->samples + i * (size_t)map->channels;
+            if (!(texel[t->bands] > 0)) continue;
+            double d = (double)texel[b] - m->albedo[b];
+            sum += d * d;
+            count++;
+        }
+        spread[b] = (float)sqrt((count > 0 ? sum / count : 0) +
+                                m->albedo_std[b] * m->albedo_std[b]);
+    }
+}
+
+igi_status igi_texels_finish(igi_context *ctx, const igi_texels *texels, igi_material *material)
+{
+    igi_status status = IGI_OK;
+    const igi_texels *t = texels;
+    size_t n = (size_t)t->size * (size_t)t->size, bands = (size_t)t->bands;
+    float *known = NULL, fallback[IGI_MAX_BANDS + 1] = {0}, spread[IGI_MAX_BANDS];
+    float pooled = pixel_variance(t), darkness[IGI_MAX_BANDS];
+    find_darkness(t, darkness);
+    IGI_TRY_GOTO(igi_image_create(ctx, t->size, t->size, t->bands + 1, &material->map));
+    IGI_TRY_GOTO(igi_image_create(ctx, t->size, t->size, t->bands, &material->map_std));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &known));
+    for (size_t i = 0; i < n; i++)
+        known[i] = finish_texel(t, i, pooled, darkness, material->map->samples + i * (bands + 1),
+                                material->map_std->samples + i * bands);
+    for (size_t b = 0; b < bands; b++) fallback[b] = (float)material->albedo[b];
+    if (material->textured) add_blur(t, material->map, known, material->map_std);
+    spread_of(t, material->map, material, spread);
+    for (size_t i = 0; i < n; i++)
+        for (size_t b = 0; b < bands && !(known[i] > 0); b++)
+            material->map_std->samples[i * bands + b] = spread[b];
+    IGI_TRY_GOTO(
+        igi_fill_holes(ctx, material->map->samples, known, t->size, t->bands + 1, fallback));
+    for (size_t i = 0; i < n; i++)
+        if (!(known[i] > 0)) material->map->samples[i * (bands + 1) + bands] = 0;
+cleanup:
+    igi_free(known);
+    return status;
+}

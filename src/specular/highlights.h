@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The pixels that tell most about a region's lobe, and the light that reaches them.
+ *
+ * Each chosen pixel has a fixed set of directions with the radiance that arrives along each. For any
+ * model and roughness
+ *     S(alpha) = sum_m incident_m f_s(in_m, out_m; alpha) cos_m / p_m
+ * is then a smooth function of alpha that costs no further ray. Lamps and surfaces are kept apart.
+ * Lamps are bright and known: many directions over each, few of them tested for shadow while the
+ * tests agree. Surfaces are dim and smooth: directions from lobes of four roughnesses
+ * (balance heuristic; Veach 1997). Each direction has its own place within the pixel, so that S is
+ * the mean over the pixel's footprint.
+ */
+#ifndef IGI_SRC_SPECULAR_HIGHLIGHTS_H
+#define IGI_SRC_SPECULAR_HIGHLIGHTS_H
+
+#include "specular/incident.h"
+
+typedef struct igi_direction_sample {
+    igi_vec in, out; /* unit, in the frame of the surface */
+    float weight;    /* cos(in) over the density of the whole set; 0: carries nothing */
+} igi_direction_sample;
+
+typedef struct igi_highlights {
+    size_t count;     /* pixels */
+    int samples;      /* directions of each, */
+    int lobe_samples; /* of which the first are to surfaces, the others to lamps */
+    int bands;
+    size_t groups;         /* pixels of one group show one albedo: a region, or one of its points */
+    uint32_t *group;       /* [count] rising */
+    uint32_t *observation; /* [count] */
+    float *radiance;       /* [count][bands] as photographed */
+    float *irradiance;     /* [count][bands] */
+    igi_direction_sample *directions; /* [count][samples] */
+    float *incident;                  /* [count][samples][bands] */
+} igi_highlights;
+
+/* Pixels of each region to choose from, thinned evenly: observation[begin[region]...]. */
+typedef struct igi_candidates {
+    size_t *begin; /* [regions + 1] */
+    uint32_t *observation;
+} igi_candidates;
+
+IGI_MUST_USE igi_status igi_candidates_create(igi_context *ctx, const igi_problem *problem,
+                                              igi_candidates *candidates);
+void igi_candidates_clear(igi_candidates *candidates);
+
+typedef struct igi_highlight_options {
+    const igi_candidates *candidates;
+    size_t scored;    /* at most so many candidates are looked at */
+    size_t pixels;    /* about how many to choose */
+    int lobe_samples; /* directions from lobes, a multiple of 4 */
+    int lamp_samples; /* directions to each lamp */
+    int lamp_tests;   /* shadow rays to each lamp as long as they agree */
+    float alphas[4];  /* of the lobes that directions are drawn from */
+    bool per_point;   /* the region is textured: albedo is eliminated point by point */
+} igi_highlight_options;
+
+/* Irradiance at an observation, per band. */
+typedef void (*igi_irradiance_fn)(const void *user, size_t observation, float *irradiance);
+
+/* rows: of the patches method, for the lamps' share of irradiance. */
+IGI_MUST_USE igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *field,
+                                              const igi_rows *rows, size_t region,
+                                              const igi_highlight_options *options,
+                                              igi_irradiance_fn irradiance, const void *user,
+                                              igi_highlights **highlights);
+void igi_highlights_destroy(igi_highlights *highlights);
+
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Specular coefficient and roughness of one region from its highlights.
+ */
+#ifndef IGI_SRC_SPECULAR_LOBE_FIT_H
+#define IGI_SRC_SPECULAR_LOBE_FIT_H
+
+#include "specular/lobe_table.h"
+
+/* Roughnesses that are looked for: below, photographs of a few hundred pixels resolve nothing; above,
+ * a lobe can hardly be told from a diffuse surface. */
+#define IGI_FIT_ALPHA_LOW 0.012
+#define IGI_FIT_ALPHA_HIGH 0.5
+
+typedef struct igi_lobe_estimate {
+    igi_model model;
+    double specular, specular_std;
+    double alpha, alpha_std;
+    bool at_bound;                /* alpha ran into an end of what is looked for */
+    double deviance;              /* -2 ln likelihood with the lobe, */
+    double plain_deviance;        /* and without: both with the noise that fits them */
+    double residuals;             /* how many residuals there were */
+    double noise;                 /* relative standard deviation of a residual */
+    double albedo[IGI_MAX_BANDS]; /* of the first group: the region's, where it is one group */
+} igi_lobe_estimate;
+
+/* The same on a coarse grid of roughnesses alone: enough to see whether there is a lobe at all. */
+IGI_MUST_USE igi_status igi_lobe_glance(igi_context *ctx, const igi_highlights *highlights,
+                                        igi_model model, igi_lobe_estimate *estimate);
+
+/* The best lobe of the given model. near_alpha: look about it only; 0: everywhere. */
+IGI_MUST_USE igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights,
+                                     igi_model model, double near_alpha,
+                                     igi_lobe_estimate *estimate);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "specular/lobe_view.h"
+
+#include "brdf/brdf.h"
+
+#define LAMP_SAMPLES 16
+
+void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, uint32_t surface,
+                            float u, float v, igi_vec eye, float *radiance)
+{
+    const igi_problem *p = problem;
+    uint32_t triangle = igi_surface_triangle(surface);
+    const igi_lobe *lobe = &view->lobes[p->scene->mesh.regions[triangle]];
+    if (lobe->model == IGI_LAMBERT) return;
+    uint32_t side = 2 * igi_patch_at(p->patches, triangle, u, v) + (surface & 1);
+    for (int b = 0; b < p->bands; b++)
+        radiance[b] += view->surfaces[(size_t)side * (size_t)p->bands + (size_t)b];
+    uint32_t row = view->rows->row_of[side];
+    if (row == IGI_NO_ROW) return;
+    igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, u, v);
+    igi_vec normal = igi_tracer_normal(p->tracer, triangle);
+    if (igi_surface_is_back(surface)) normal = igi_scale(normal, -1);
+    igi_vec out = igi_to_local(igi_normalize(igi_sub(eye, point)), normal);
+    const float start[2] = {0.5f, 0.5f};
+    for (size_t l = 0; l < view->rows->lights; l++) {
+        float open = view->rows->open[row * view->rows->lights + l];
+        float visible = open > 0 ? view->rows->direct[row * view->rows->lights + l] / open : 0;
+        igi_light_sample samples[LAMP_SAMPLES];
+        if (!(visible > 0)) continue;
+        size_t n = igi_light_sample_set(p->lighting, l, point, LAMP_SAMPLES, start, samples);
+        for (size_t k = 0; k < n; k++) {
+            igi_vec in = igi_to_local(samples[k].direction, normal);
+            float scale, base;
+            if (in.z <= 0) continue;
+            igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
+            float carried = visible * in.z * samples[k].weight;
+            for (int b = 0; b < p->bands; b++)
+                radiance[b] += (lobe->specular[b] * scale + base) * carried *
+                               (float)p->lights[l].value[b];
+        }
+    }
+}
