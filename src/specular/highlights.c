@@ -15,6 +15,7 @@
 
 #define CANDIDATES 40000 /* pixels of a region to choose from, at most */
 #define MAX_LAMP_SAMPLES 256
+#define FLAT_SIDES 16 /* a region of more directions is curved */
 #define LAMP_POINTS 4 /* places on each lamp that the score looks at */
 
 typedef struct job {
@@ -66,14 +67,34 @@ static uint32_t region_of(const igi_problem *p, size_t observation)
     return p->scene->mesh.regions[igi_surface_triangle(p->observations->surface[observation])];
 }
 
+/* Does the region turn through more directions than a thing of flat sides would? */
+static void find_curved(const igi_problem *p, bool *curved)
+{
+    igi_vec known[FLAT_SIDES];
+    for (uint32_t r = 0; r < p->scene->region_count; r++) {
+        size_t count = 0;
+        for (uint32_t t = 0; t < p->scene->mesh.triangle_count && !curved[r]; t++) {
+            if (p->scene->mesh.regions[t] != r) continue;
+            igi_vec n = igi_tracer_normal(p->tracer, t);
+            size_t k = 0;
+            while (k < count && igi_dot(known[k], n) < 0.9999f) k++;
+            if (k < count) continue;
+            if (count == FLAT_SIDES) curved[r] = true;
+            else known[count++] = n;
+        }
+    }
+}
+
 igi_status igi_candidates_create(igi_context *ctx, const igi_problem *problem,
                                  igi_candidates *candidates)
 {
     const igi_observations *o = problem->observations;
     size_t regions = problem->scene->region_count, *total = NULL;
     igi_status status = IGI_OK;
-    *candidates = (igi_candidates){NULL, NULL};
+    *candidates = (igi_candidates){NULL, NULL, NULL};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 3 * regions, &total));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &candidates->curved));
+    find_curved(problem, candidates->curved);
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions + 1, &candidates->begin));
     size_t *stride = total + regions, *seen = stride + regions;
     for (size_t i = 0; i < o->count; i++) total[region_of(problem, i)]++;
@@ -97,7 +118,8 @@ void igi_candidates_clear(igi_candidates *candidates)
 {
     igi_free(candidates->begin);
     igi_free(candidates->observation);
-    *candidates = (igi_candidates){NULL, NULL};
+    igi_free(candidates->curved);
+    *candidates = (igi_candidates){NULL, NULL, NULL};
 }
 
 /* The region's candidates, thinned to what is to be scored. */
@@ -220,18 +242,33 @@ static igi_status choose(igi_context *ctx, job *j)
     return IGI_OK;
 }
 
-/* A place within the pixel, on the tangent plane, and the direction back to the camera. */
-static void footprint_place(const view *v, float u, float w, igi_vec *point, igi_vec *out)
+typedef struct place {
+    igi_vec point, normal, out;
+} place;
+
+/* A place within the pixel: on the tangent plane, or on a curved region on the facet that is there,
+ * since a highlight's width is as much the facets' as the lobe's. */
+static place footprint_place(const job *j, const view *v, float u, float w)
 {
     uint32_t width = (uint32_t)v->camera->width;
+    const igi_problem *p = j->field->problem;
     igi_vec centre = igi_camera_centre(v->camera);
     igi_vec d = igi_camera_direction(v->camera, (double)(v->pixel % width) + (double)u,
                                      (double)(v->pixel / width) + (double)w);
+    place at = {v->point, v->normal, v->out};
     float slope = igi_dot(d, v->normal);
-    *point = v->point;
     if (slope < -1e-3f)
-        *point = igi_madd(centre, d, igi_dot(igi_sub(v->point, centre), v->normal) / slope);
-    *out = igi_normalize(igi_sub(centre, *point));
+        at.point = igi_madd(centre, d, igi_dot(igi_sub(v->point, centre), v->normal) / slope);
+    if (j->options.candidates->curved[j->region]) {
+        igi_hit hit = igi_trace(p->tracer, centre, d);
+        if (hit.triangle != IGI_NO_HIT && p->scene->mesh.regions[hit.triangle] == j->region) {
+            at.point = igi_madd(centre, d, hit.distance);
+            at.normal = igi_tracer_normal(p->tracer, hit.triangle);
+            if (hit.back) at.normal = igi_scale(at.normal, -1);
+        }
+    }
+    at.out = igi_to_local(igi_normalize(igi_sub(centre, at.point)), at.normal);
+    return at;
 }
 
 /* Density of all lobes together at direction `in`. */
@@ -274,17 +311,16 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
     for (int m = 0; m < j->options.lobe_samples; m++) {
         igi_direction_sample *d = &s->directions[m];
         float x[4];
-        igi_vec point, out;
         pattern_at(start[m / half], m % half, x);
-        footprint_place(&s->v, x[2], x[3], &point, &out);
-        d->out = igi_to_local(out, s->v.normal);
+        place at = footprint_place(j, &s->v, x[2], x[3]);
+        d->out = at.out;
         if (d->out.z <= 0) continue;
         d->in = igi_lobe_sample(IGI_WARD, j->options.alphas[m % 4], d->out, x[0], x[1]);
         if (d->in.z <= 0) continue;
-        igi_vec direction = igi_to_world(d->in, s->v.normal);
-        igi_hit hit = igi_trace(p->tracer, point, direction);
+        igi_vec direction = igi_to_world(d->in, at.normal);
+        igi_hit hit = igi_trace(p->tracer, at.point, direction);
         d->weight = d->in.z / lobes_density(j, d->in, d->out);
-        s->rays += 1 + (uint64_t)igi_radiance_toward(j->field, point, direction, &hit, rng,
+        s->rays += 1 + (uint64_t)igi_radiance_toward(j->field, at.point, direction, &hit, rng,
                                                      s->incident + m * p->bands);
     }
 }
@@ -313,20 +349,19 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
     for (size_t m = 0; m < count; m++) {
         igi_direction_sample *d = &s->directions[first + (int)m];
         float x[4];
-        igi_vec from, out;
         if (hidden > 0) {
             s->rays++;
             if (is_shadowed(p, s->v.point, &samples[m])) continue;
         }
         pattern_at(s->start, (int)m, x);
-        footprint_place(&s->v, x[2], x[3], &from, &out);
-        d->out = igi_to_local(out, s->v.normal);
+        place at = footprint_place(s->j, &s->v, x[2], x[3]);
+        d->out = at.out;
         /* toward the same point of the lamp from this place of the pixel */
         igi_vec direction = samples[m].direction;
         if (!isinf(samples[m].distance))
             direction = igi_normalize(
-                igi_sub(igi_madd(s->v.point, direction, samples[m].distance), from));
-        d->in = igi_to_local(direction, s->v.normal);
+                igi_sub(igi_madd(s->v.point, direction, samples[m].distance), at.point));
+        d->in = igi_to_local(direction, at.normal);
         if (d->in.z <= 0 || d->out.z <= 0) continue;
         d->weight = d->in.z * samples[m].weight;
         for (int b = 0; b < p->bands; b++)

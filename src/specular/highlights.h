@@ -39,6 +39,7 @@ typedef struct igi_highlights {
 typedef struct igi_candidates {
     size_t *begin; /* [regions + 1] */
     uint32_t *observation;
+    bool *curved; /* [regions] facets of many directions: a pixel may show several */
 } igi_candidates;
 
 IGI_MUST_USE igi_status igi_candidates_create(igi_context *ctx, const igi_problem *problem,

@@ -337,7 +337,7 @@ static igi_status run(igi_context *ctx, const igi_problem *p, igi_diffuse *diffu
 {
     igi_status status = IGI_OK;
     igi_radiance_field field = {p, diffuse->radiance, total, NULL};
-    stage st = {&field, diffuse, NULL, s, {NULL, NULL}};
+    stage st = {&field, diffuse, NULL, s, {NULL, NULL, NULL}};
     IGI_TRY_GOTO(igi_candidates_create(ctx, p, &st.candidates));
     for (uint64_t round = 0; round < 2; round++) {
         igi_stage_begin(ctx, round == 0 ? "search lobes" : "refine lobes");
