@@ -269,6 +269,7 @@ static bool judge_plain(igi_profile *f, igi_model model, igi_lobe_estimate *esti
         (void)igi_profile_evaluate(f, &none);
         estimate->plain_deviance = igi_profile_reweigh(f, &none, 0, false, &estimate->noise);
     }
+    estimate->plain_noise = estimate->noise;
     return true;
 }
 

@@ -20,7 +20,8 @@ typedef struct igi_lobe_estimate {
     double deviance;              /* -2 ln likelihood with the lobe, */
     double plain_deviance;        /* and without: both with the noise that fits them */
     double residuals;             /* how many residuals there were */
-    double noise;                 /* relative standard deviation of a residual */
+    double noise;                 /* relative standard deviation of a residual with the lobe, */
+    double plain_noise;           /* and without */
     double albedo[IGI_MAX_BANDS]; /* of the first group: the region's, where it is one group */
 } igi_lobe_estimate;
 

@@ -18,6 +18,7 @@
 #define KEEP_SHARE 0.04
 #define MIN_SIGMAS 4
 #define HINT_SHARE 0.03
+#define HINT_NOISE 0.2
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
 #define SEEN_SAMPLES 40000  /* photographs' pixels of a region whose lobe is taken out, about */
@@ -212,6 +213,7 @@ static bool is_earned(const igi_lobe_estimate *e, double share)
 /* Is it worth a closer look? */
 static bool is_hinted(const igi_lobe_estimate *e)
 {
+    if (e->plain_noise > HINT_NOISE) return true; /* no diffuse surface looks like this */
     return e->plain_deviance - e->deviance > HINT_SHARE * e->residuals;
 }
 
