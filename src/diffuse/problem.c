@@ -9,6 +9,8 @@
  * passers-by. Generous, because the noise of rendered and of real photographs is skewed, and
  * cutting a skewed tail biases the mean. */
 #define OUTLIER_SIGMAS 6.0
+/* A lamp of which more than this share is seen from behind, brightly, is turned around. */
+#define BACK_SHARE 0.2
 #define FEW_PIXELS 5 /* below that, nothing can be told from an outlier */
 
 static uint32_t side_of(const igi_problem *p, size_t i)
@@ -99,28 +101,54 @@ static void average_side(igi_problem *p, uint32_t side)
     p->seen_var[side] = (float)(core.variance / fmax(kept, 1));
 }
 
-/* Radiance of a lamp whose value nobody gave: the mean over what the photographs show of its front. */
-static void read_lamp(const igi_problem *p, igi_light *light, double std[IGI_MAX_BANDS])
+/* What the photographs show of one side of a lamp. */
+typedef struct lamp_side {
+    double sum[IGI_MAX_BANDS], squares[IGI_MAX_BANDS], pixels;
+} lamp_side;
+
+static void look_at_lamp(const igi_problem *p, int region, lamp_side sides[2])
 {
-    double sum[IGI_MAX_BANDS] = {0}, squares[IGI_MAX_BANDS] = {0}, n = 0;
     const igi_observations *o = p->observations;
     for (size_t i = 0; i < o->count; i++) {
-        if (igi_surface_is_back(o->surface[i])) continue;
-        if ((int)p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != light->region)
-            continue;
+        if ((int)p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != region) continue;
+        lamp_side *side = &sides[igi_surface_is_back(o->surface[i])];
         for (int b = 0; b < p->bands; b++) {
             double x = (double)o->radiance[i * (size_t)p->bands + (size_t)b];
-            sum[b] += x;
-            squares[b] += x * x;
+            side->sum[b] += x;
+            side->squares[b] += x * x;
         }
-        n++;
+        side->pixels++;
     }
+}
+
+/* Radiance of a lamp whose value nobody gave: the mean over what is seen of its front. */
+static void read_lamp(const igi_problem *p, const lamp_side *front, igi_light *light,
+                      double std[IGI_MAX_BANDS])
+{
+    double n = front->pixels;
     if (n == 0) return;
     light->known = true;
     for (int b = 0; b < p->bands; b++) {
-        light->value[b] = sum[b] / n;
-        std[b] = sqrt(fmax(0, squares[b] / n - light->value[b] * light->value[b]) / n);
+        light->value[b] = front->sum[b] / n;
+        std[b] = sqrt(fmax(0, front->squares[b] / n - light->value[b] * light->value[b]) / n);
     }
+}
+
+/* Light that leaves the back of a lamp: its triangles are turned the wrong way. */
+static igi_status check_lamp(igi_context *ctx, const igi_problem *p, const igi_light *light,
+                             const lamp_side sides[2])
+{
+    double n = sides[0].pixels + sides[1].pixels, back = 0, all = 0;
+    if (sides[1].pixels <= BACK_SHARE * n) return IGI_OK;
+    for (int b = 0; b < p->bands; b++) back += sides[1].sum[b] / sides[1].pixels;
+    for (size_t i = 0; i < p->observations->count * (size_t)p->bands; i++)
+        all += (double)p->observations->radiance[i] / (double)p->observations->count;
+    if (back < 2 * all) return IGI_OK;
+    return igi_fail(
+        ctx, IGI_E_DATA,
+        "%s: region '%s' is a lamp, but the photographs show light leaving its back; turn "
+        "its triangles around (counter-clockwise is the front)",
+        p->scene->folder, p->scene->regions[light->region].name);
 }
 
 static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
@@ -130,8 +158,12 @@ static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
     IGI_TRY(IGI_ALLOC(ctx, count, &p->light_std));
     for (size_t l = 0; l < count; l++) {
         p->lights[l] = p->scene->lights[l];
+        lamp_side sides[2] = {{{0}, {0}, 0}, {{0}, {0}, 0}};
+        bool is_lamp = p->lights[l].type == IGI_LIGHT_AREA;
+        if (is_lamp) look_at_lamp(p, p->lights[l].region, sides);
+        if (is_lamp) IGI_TRY(check_lamp(ctx, p, &p->lights[l], sides));
         if (p->lights[l].known) continue;
-        if (p->lights[l].type == IGI_LIGHT_AREA) read_lamp(p, &p->lights[l], p->light_std[l]);
+        if (is_lamp) read_lamp(p, &sides[0], &p->lights[l], p->light_std[l]);
         if (!p->lights[l].known)
             return igi_fail(ctx, IGI_E_NO_ANSWER,
                             "lights[%zu]: its value is not given and no photograph shows it; give "

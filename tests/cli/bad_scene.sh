@@ -93,6 +93,15 @@ passes ''
 fresh; printf 'v 90 90 9\nv 91 90 9\nv 90 91 9\nusemtl attic\nf -1 -2 -3\n' >>bad/scene.obj
 passes '(no photograph|not seen|unseen)'
 
+turn() { # turns the triangles of region $1 around
+    awk -v region="$1" '$1 == "usemtl" { on = $2 == region }
+        on && $1 == "f" { t = $3; $3 = $4; $4 = t } { print }' room/scene.obj >bad/scene.obj
+}
+fresh; turn panel
+refused 3 "bad.*region 'panel' is a lamp.*its back.*turn its triangles"
+fresh; turn box # every surface but a lamp reflects on both sides
+passes ''
+
 # scene.json.
 fresh; echo '{' >bad/scene.json
 refused 3 'bad/scene\.json:[0-9]+: '
