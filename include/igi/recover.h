@@ -24,6 +24,13 @@ IGI_API bool igi_method_from_name(const char *name, igi_method *method);
 
 #define IGI_ANY_MODEL (-1)
 
+/* How the radiosity method reckons form factors. */
+typedef enum igi_form_factor_way {
+    IGI_FORM_FACTORS_BY_RAYS,     /* with occlusion */
+    IGI_FORM_FACTORS_BY_HEMICUBE, /* with occlusion; Cohen & Greenberg 1985 */
+    IGI_FORM_FACTORS_CLOSED       /* exact where nothing stands between; ignores what does */
+} igi_form_factor_way;
+
 typedef struct igi_recover_options {
     size_t struct_size;
     igi_method method;   /* default IGI_METHOD_PATCHES */
@@ -35,6 +42,7 @@ typedef struct igi_recover_options {
     double target_error; /* aimed at: mean over regions of the relative standard deviation of albedo
                              (patches only); 0: the default accuracy */
     double time_budget_s; /* CPU seconds that the diffuse solution may take in all; 0: no limit */
+    igi_form_factor_way form_factors; /* radiosity: default IGI_FORM_FACTORS_BY_RAYS */
     bool gather_from_photos; /* gather: rays look into the photographs, not at patches (default) */
 } igi_recover_options;
 

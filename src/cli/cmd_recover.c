@@ -20,6 +20,10 @@ static void set_options(const cli_values *values, igi_recover_options *options)
     (void)known; /* the table of options lets no other name through */
     igi_model model;
     if (igi_model_from_name(values->model, &model)) options->model = (int)model; /* else auto */
+    if (strcmp(values->form_factors, "hemicube") == 0)
+        options->form_factors = IGI_FORM_FACTORS_BY_HEMICUBE;
+    if (strcmp(values->form_factors, "closed") == 0)
+        options->form_factors = IGI_FORM_FACTORS_CLOSED;
     options->gather_from_photos = strcmp(values->gather_from, "photos") == 0;
     options->patch_m = values->patch;
     options->rays = (int)values->rays;

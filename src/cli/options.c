@@ -67,6 +67,8 @@ static const option options[] = {
      "patches", 0, 0, "how light between surfaces is reckoned"},
     {"gather-from", 0, CHOICE, CLI_RECOVER, AT(gather_from), "patches|photos", "patches", 0, 0,
      "with --method gather: where the light that a ray meets is looked up"},
+    {"form-factors", 0, CHOICE, CLI_RECOVER, AT(form_factors), "rays|hemicube|closed", "rays", 0, 0,
+     "with --method radiosity: how form factors are reckoned; closed: as if nothing stood between"},
     {"model", 0, CHOICE, CLI_RECOVER, AT(model), "auto|lambert|ward|ggx|phong", "auto", 0, 0,
      "reflectance of the surfaces; auto: what the photographs ask for, region by region"},
     {"target-error", 0, REAL, CLI_RECOVER, AT(target_error), "E", "0", 0, 1,

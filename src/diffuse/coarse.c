@@ -144,6 +144,16 @@ static double direct_irradiance(const igi_coarse *c, size_t e, size_t band)
     return sum;
 }
 
+static igi_factor_way factor_way(igi_form_factor_way way)
+{
+    switch (way) {
+    case IGI_FORM_FACTORS_BY_RAYS: return IGI_FACTOR_RAYS;
+    case IGI_FORM_FACTORS_BY_HEMICUBE: return IGI_FACTOR_HEMICUBE;
+    case IGI_FORM_FACTORS_CLOSED: return IGI_FACTOR_CLOSED;
+    }
+    return IGI_FACTOR_RAYS;
+}
+
 static igi_status prepare(igi_context *ctx, igi_coarse *c)
 {
     igi_factor_options o;
@@ -160,7 +170,7 @@ static igi_status prepare(igi_context *ctx, igi_coarse *c)
             c->point[3 * e + (size_t)k] = (float)c->elements->elements[e].centre[k];
     }
     average_photographs(c);
-    igi_factor_options_init(&o, IGI_FACTOR_RAYS);
+    igi_factor_options_init(&o, factor_way(c->problem->options->form_factors));
     o.seed = igi_seed(ctx);
     if (c->problem->options->rays > 0) o.rays = c->problem->options->rays;
     IGI_TRY(igi_form_factors(ctx, c->elements, c->problem->tracer, &o, c->factors));

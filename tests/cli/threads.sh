@@ -46,5 +46,9 @@ for threads in 2 7; do
     same_bytes photos1 "photos$threads"
 done
 grep -q '"gather-from": "photos"' photos1/manifest.json || fail "the manifest lacks --gather-from"
+for way in rays hemicube closed; do
+    expect 0 "" "$igi" recover -q room -o "$way" --method radiosity --form-factors "$way"
+done
+cmp -s rays/materials.json hemicube/materials.json && fail "--form-factors changes nothing"
 expect 2 "must be one of patches.photos" "$igi" recover room -o none --gather-from walls
 finish
