@@ -115,8 +115,8 @@ void igi_field_irradiance(const igi_field *field, uint32_t surface, float u, flo
 {
     const igi_field *f = field;
     uint32_t triangle = igi_surface_triangle(surface);
-    uint32_t patch = igi_patch_at(f->problem->patches, triangle, u, v);
-    uint32_t row = f->rows->row_of[2 * patch + (igi_surface_is_back(surface) ? 1 : 0)];
+    bool back = igi_surface_is_back(surface);
+    uint32_t row = f->rows->row_of[igi_side_at(f->problem->patches, triangle, u, v, back)];
     igi_vec point = igi_triangle_point(f->problem->patches->mesh, triangle, u, v);
     if (row == IGI_NO_ROW) {
         irradiance_without_row(f, surface, point, irradiance);

@@ -13,12 +13,12 @@
 #define BACK_SHARE 0.2
 #define FEW_PIXELS 5 /* below that, nothing can be told from an outlier */
 
-static uint32_t side_of(const igi_problem *p, size_t i)
+uint32_t igi_problem_side_of(const igi_problem *problem, size_t observation)
 {
-    uint32_t surface = p->observations->surface[i];
-    uint32_t patch = igi_patch_at(p->patches, igi_surface_triangle(surface),
-                                  p->observations->uv[2 * i], p->observations->uv[2 * i + 1]);
-    return 2 * patch + (igi_surface_is_back(surface) ? 1u : 0u);
+    const igi_observations *o = problem->observations;
+    uint32_t surface = o->surface[observation];
+    return igi_side_at(problem->patches, igi_surface_triangle(surface), o->uv[2 * observation],
+                       o->uv[2 * observation + 1], igi_surface_is_back(surface));
 }
 
 /* Counting sort: stable, so that observations of a side stay in the order of photographs. */
@@ -30,7 +30,7 @@ static igi_status sort_by_side(igi_context *ctx, igi_problem *p)
     IGI_TRY(IGI_ALLOC(ctx, n, &p->order));
     IGI_TRY(IGI_ALLOC(ctx, n, &side));
     for (size_t i = 0; i < n; i++) {
-        side[i] = side_of(p, i);
+        side[i] = igi_problem_side_of(p, i);
         p->site_begin[side[i] + 2]++;
     }
     for (size_t s = 0; s < sides; s++) p->site_begin[s + 2] += p->site_begin[s + 1];

@@ -49,6 +49,9 @@ static inline size_t igi_problem_seen_count(const igi_problem *p, uint32_t side)
 /* Side of a frame's pixel on the surface, metres: the root of its footprint's area. */
 float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, float u, float v);
 
+/* The side of a patch that an observation shows. */
+uint32_t igi_problem_side_of(const igi_problem *problem, size_t observation);
+
 /* What lobes add to diffuse transport, to be taken out of it: see recover/specular.h. */
 typedef struct igi_correction {
     float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side, */

@@ -270,10 +270,7 @@ static float one_ray(const igi_lighting *l, size_t light, const igi_tracer *trac
     float cosine = igi_dot(s.direction, normal);
     if (!(cosine > 0)) return 0;
     if (!tracer) return cosine * s.weight;
-    bool hidden = isinf(s.distance)
-                      ? igi_occluded_toward(tracer, point, s.direction, INFINITY)
-                      : igi_occluded(tracer, point, igi_madd(point, s.direction, s.distance));
-    return hidden ? 0 : cosine * s.weight;
+    return igi_light_hidden(tracer, point, &s) ? 0 : cosine * s.weight;
 }
 
 static float sky_irradiance(const igi_lighting *l, size_t light, const igi_tracer *tracer,

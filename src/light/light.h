@@ -32,6 +32,9 @@ typedef struct igi_light_sample {
 /* Samples light number `light` from (u,v) in the unit square. false: it cannot shine there. */
 bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec point, float u,
                              float v, igi_light_sample *sample);
+/* Is anything between `from` and the place, or along the direction, that was sampled from it? */
+bool igi_light_hidden(const igi_tracer *tracer, igi_vec from, const igi_light_sample *sample);
+
 /* `count` samples of one light together, spread over what of it faces the point, in proportion to
  * the solid angle of each piece: sum over them of weight * value * f estimates the integral of
  * radiance * f over directions. `start` in the unit square shifts the pattern. Returns how many were

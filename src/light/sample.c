@@ -161,3 +161,10 @@ size_t igi_light_sample_set(const igi_lighting *lighting, size_t light, igi_vec 
     }
     return made;
 }
+
+bool igi_light_hidden(const igi_tracer *tracer, igi_vec from, const igi_light_sample *sample)
+{
+    if (isinf(sample->distance))
+        return igi_occluded_toward(tracer, from, sample->direction, INFINITY);
+    return igi_occluded(tracer, from, igi_madd(from, sample->direction, sample->distance));
+}

@@ -33,12 +33,6 @@ static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u
     return c->mean > 0;
 }
 
-static bool is_hidden(const igi_renderer *r, igi_vec from, const igi_light_sample *s)
-{
-    if (isinf(s->distance)) return igi_occluded_toward(r->tracer, from, s->direction, INFINITY);
-    return igi_occluded(r->tracer, from, igi_madd(from, s->direction, s->distance));
-}
-
 /* Adds what the lights send directly, times `throughput`. Every light is weighed, one is asked. */
 static uint64_t add_direct(const igi_renderer *r, const surface *s, sampler *points,
                            const float *throughput, float *radiance)
@@ -61,7 +55,7 @@ static uint64_t add_direct(const igi_renderer *r, const surface *s, sampler *poi
         }
     }
     if (!(chosen.mean > 0)) return 0;
-    if (!is_hidden(r, s->point, &chosen.sample))
+    if (!igi_light_hidden(r->tracer, s->point, &chosen.sample))
         for (int b = 0; b < r->bands; b++)
             radiance[b] += throughput[b] * chosen.value[b] * (sum / chosen.mean);
     return 1;

@@ -53,15 +53,6 @@ static view view_of(const igi_problem *p, size_t observation)
     return v;
 }
 
-static uint32_t side_of(const igi_problem *p, size_t observation)
-{
-    const igi_observations *o = p->observations;
-    uint32_t surface = o->surface[observation];
-    return 2 * igi_patch_at(p->patches, igi_surface_triangle(surface), o->uv[2 * observation],
-                            o->uv[2 * observation + 1]) +
-           (igi_surface_is_back(surface) ? 1u : 0u);
-}
-
 static uint32_t region_of(const igi_problem *p, size_t observation)
 {
     return p->scene->mesh.regions[igi_surface_triangle(p->observations->surface[observation])];
@@ -149,7 +140,7 @@ static igi_status score_candidates(igi_context *ctx, void *user, size_t task, in
     const igi_problem *p = j->field->problem;
     size_t end = (task + 1) * 1024 < j->candidate_count ? (task + 1) * 1024 : j->candidate_count;
     for (size_t i = task * 1024; i < end; i++) {
-        uint32_t side = side_of(p, j->candidates[i]), row = j->rows->row_of[side];
+        uint32_t side = igi_problem_side_of(p, j->candidates[i]), row = j->rows->row_of[side];
         if (row == IGI_NO_ROW) continue;
         view v = view_of(p, j->candidates[i]);
         igi_vec out = igi_to_local(v.out, v.normal);
@@ -325,12 +316,6 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
     }
 }
 
-static bool is_shadowed(const igi_problem *p, igi_vec from, const igi_light_sample *s)
-{
-    if (isinf(s->distance)) return igi_occluded_toward(p->tracer, from, s->direction, INFINITY);
-    return igi_occluded(p->tracer, from, igi_madd(from, s->direction, s->distance));
-}
-
 /* The directions of one lamp, into directions[first...]. Some are tested for shadow; where they
  * disagree, an edge of shadow crosses the lamp, and every direction is tested. */
 static void sample_lamp(pixel_sets *s, size_t light, int first)
@@ -341,7 +326,7 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
                                         (size_t)s->j->options.lamp_samples, s->start, samples);
     size_t step = count / (size_t)s->j->options.lamp_tests + 1, hidden = 0, tested = 0;
     for (size_t m = 0; m < count; m += step) {
-        hidden += is_shadowed(p, s->v.point, &samples[m]);
+        hidden += igi_light_hidden(p->tracer, s->v.point, &samples[m]);
         tested++;
     }
     s->rays += tested;
@@ -351,7 +336,7 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
         float x[4];
         if (hidden > 0) {
             s->rays++;
-            if (is_shadowed(p, s->v.point, &samples[m])) continue;
+            if (igi_light_hidden(p->tracer, s->v.point, &samples[m])) continue;
         }
         pattern_at(s->start, (int)m, x);
         place at = footprint_place(s->j, &s->v, x[2], x[3]);

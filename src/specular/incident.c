@@ -12,8 +12,8 @@ static float lobe_value(const igi_lobe *lobe, int band, igi_vec in, igi_vec out)
 
 static const float *side_radiance(const igi_problem *p, const float *radiance, const igi_hit *hit)
 {
-    uint32_t patch = igi_patch_at(p->patches, hit->triangle, hit->u, hit->v);
-    return radiance + (size_t)(2 * patch + (hit->back ? 1u : 0u)) * (size_t)p->bands;
+    uint32_t side = igi_side_at(p->patches, hit->triangle, hit->u, hit->v, hit->back);
+    return radiance + (size_t)side * (size_t)p->bands;
 }
 
 static bool is_lamp(const igi_problem *p, uint32_t triangle)
@@ -30,10 +30,7 @@ static void add_lamp(const igi_problem *p, const igi_lobe *lobe, size_t light, i
     if (!igi_light_sample_toward(p->lighting, light, point, u, v, &s)) return;
     igi_vec in = igi_to_local(s.direction, normal);
     if (in.z <= 0) return;
-    bool hidden = isinf(s.distance)
-                      ? igi_occluded_toward(p->tracer, point, s.direction, INFINITY)
-                      : igi_occluded(p->tracer, point, igi_madd(point, s.direction, s.distance));
-    if (hidden) return;
+    if (igi_light_hidden(p->tracer, point, &s)) return;
     float share = 1;
     if (s.pdf > 0) share = s.pdf / (s.pdf + igi_lobe_pdf(lobe->model, lobe->alpha, in, out));
     for (int b = 0; b < p->bands; b++)

@@ -12,7 +12,7 @@ void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *proble
     uint32_t triangle = igi_surface_triangle(surface);
     const igi_lobe *lobe = &view->lobes[p->scene->mesh.regions[triangle]];
     if (lobe->model == IGI_LAMBERT) return;
-    uint32_t side = 2 * igi_patch_at(p->patches, triangle, u, v) + (surface & 1);
+    uint32_t side = igi_side_at(p->patches, triangle, u, v, igi_surface_is_back(surface));
     for (int b = 0; b < p->bands; b++)
         radiance[b] += view->surfaces[(size_t)side * (size_t)p->bands + (size_t)b];
     uint32_t row = view->rows->row_of[side];

@@ -172,8 +172,8 @@ static igi_status find_extra(igi_context *ctx, void *user, size_t e, int worker)
         uint32_t region = p->scene->mesh.regions[hit.triangle];
         if (is_lamp(y, region) || y->lobes[region].model == IGI_LAMBERT) continue;
         rays += (uint64_t)igi_radiance_toward(&field, origin, toward, &hit, &rng, sum);
-        uint32_t patch = igi_patch_at(p->patches, hit.triangle, hit.u, hit.v);
-        const float *total = y->total + (2 * (size_t)patch + (hit.back ? 1 : 0)) * bands;
+        uint32_t side = igi_side_at(p->patches, hit.triangle, hit.u, hit.v, hit.back);
+        const float *total = y->total + side * bands;
         for (size_t b = 0; b < bands; b++) sum[b] -= total[b];
     }
     for (size_t b = 0; b < bands; b++) y->extra[e * bands + b] = IGI_PIF / EXTRA_RAYS * sum[b];

@@ -61,12 +61,6 @@ static view view_of(const igi_problem *p, size_t i)
     return v;
 }
 
-static bool is_hidden(const igi_problem *p, igi_vec from, const igi_light_sample *s)
-{
-    if (isinf(s->distance)) return igi_occluded_toward(p->tracer, from, s->direction, s->distance);
-    return igi_occluded(p->tracer, from, igi_madd(from, s->direction, s->distance));
-}
-
 static float brightness(const float *radiance, int bands)
 {
     float sum = 0;
@@ -91,7 +85,7 @@ static float predict(const job *j, size_t observation, igi_rng *rng)
             float x = igi_rng_float(rng), y = igi_rng_float(rng);
             if (!igi_light_sample_toward(p->lighting, l, v.point, x, y, &s)) continue;
             igi_vec in = igi_to_local(s.direction, v.normal);
-            if (in.z <= 0 || is_hidden(p, v.point, &s)) continue;
+            if (in.z <= 0 || igi_light_hidden(p->tracer, v.point, &s)) continue;
             igi_lobe_terms(IGI_WARD, PREDICTED_ALPHA, in, v.out, &scale, &base);
             float value = 0;
             for (int b = 0; b < p->bands; b++)
@@ -211,7 +205,7 @@ static void link_to_lamp(const job *j, const view *v, size_t light, igi_rng *rng
     float x = igi_rng_float(rng), y = igi_rng_float(rng);
     if (!igi_light_sample_toward(p->lighting, light, v->point, x, y, &s)) return;
     igi_vec in = igi_to_local(s.direction, v->normal);
-    if (in.z <= 0 || is_hidden(p, v->point, &s)) return;
+    if (in.z <= 0 || igi_light_hidden(p->tracer, v->point, &s)) return;
     link->in = in;
     bool extended = s.pdf > 0;
     link->weight = in.z / (extended ? density(in, v->out) + LAMP_LINKS * s.pdf : LAMP_LINKS);

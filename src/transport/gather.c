@@ -80,7 +80,7 @@ static uint32_t met(const job *j, const igi_hit *hit)
     if (hit->triangle == IGI_NO_HIT) return IGI_NO_SIDE;
     uint32_t region = j->scene->mesh.regions[hit->triangle];
     if (j->scene->regions[region].emitter) return IGI_NO_SIDE;
-    return 2 * igi_patch_at(j->patches, hit->triangle, hit->u, hit->v) + (hit->back ? 1u : 0u);
+    return igi_side_at(j->patches, hit->triangle, hit->u, hit->v, hit->back);
 }
 
 static void gather_indirect(const job *j, size_t row, igi_rng *rng)
@@ -124,7 +124,7 @@ static void light_row(const job *j, size_t row, size_t l, igi_rng rng)
         if (carried <= 0) continue;
         sent += carried;
         sent2 += carried * carried;
-        if (igi_occluded(j->tracer, p.point, igi_madd(p.point, s.direction, s.distance))) continue;
+        if (igi_light_hidden(j->tracer, p.point, &s)) continue;
         arrived += carried;
         arrived2 += carried * carried;
     }

@@ -43,6 +43,12 @@ void igi_patch_place(const igi_patches *patches, uint32_t triangle, float u, flo
 void igi_patch_point(const igi_patches *patches, uint32_t patch, float s, float t, float *u,
                      float *v);
 
+static inline uint32_t igi_side_at(const igi_patches *patches, uint32_t triangle, float u, float v,
+                                   bool back)
+{
+    return 2 * igi_patch_at(patches, triangle, u, v) + (back ? 1u : 0u);
+}
+
 static inline uint32_t igi_patch_region(const igi_patches *patches, uint32_t patch)
 {
     return patches->mesh->regions[patches->triangle[patch]];
