@@ -125,8 +125,15 @@ static struct RTCRay make_ray(igi_vec origin, igi_vec direction, float near, flo
                            .mask = UINT32_MAX};
 }
 
+/* Debian's Embree ends the program on a ray that is not finite. Such a ray meets nothing. */
+static bool is_ray(igi_vec origin, igi_vec direction)
+{
+    return isfinite(origin.x + origin.y + origin.z + direction.x + direction.y + direction.z);
+}
+
 static igi_hit nearest(const igi_tracer *tracer, igi_vec origin, igi_vec direction, float near)
 {
+    if (!is_ray(origin, direction)) return (igi_hit){.triangle = IGI_NO_HIT, .distance = INFINITY};
     struct RTCRayHit r = {
         .ray = make_ray(origin, direction, near, INFINITY),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .primID = RTC_INVALID_GEOMETRY_ID}};
@@ -160,7 +167,7 @@ void igi_trace_bundle(const igi_tracer *tracer, igi_vec origin, const igi_vec *d
     _Alignas(32) int valid[IGI_TRACE_BUNDLE]; /* Embree asks for it */
     for (int i = 0; i < IGI_TRACE_BUNDLE; i++) {
         igi_vec d = directions[i < count ? i : 0];
-        valid[i] = i < count ? -1 : 0;
+        valid[i] = i < count && is_ray(origin, d) ? -1 : 0;
         r.ray.org_x[i] = origin.x;
         r.ray.org_y[i] = origin.y;
         r.ray.org_z[i] = origin.z;
@@ -204,6 +211,7 @@ igi_hit igi_trace_off(const igi_tracer *tracer, igi_vec point, igi_vec normal, i
 
 bool igi_occluded_toward(const igi_tracer *tracer, igi_vec from, igi_vec direction, float limit)
 {
+    if (!is_ray(from, direction) || isnan(limit)) return false;
     struct RTCRay r = make_ray(from, direction, tracer->epsilon, limit);
 #if IGI_EMBREE_MAJOR >= 4
     rtcOccluded1(tracer->scene, &r, NULL);
