@@ -8,14 +8,18 @@
   - C++ lies in src/bridge only
   - malloc and its family are called in src/base/memory.c (and for the context itself) only
   - each source begins with its licence, and none is longer than 1000 lines
+  - the top level holds what it should and nothing that a test left
 """
 import pathlib
 import re
+import subprocess
 import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
 src = root / "src"
 problems = []
+TOP = set("""CHANGELOG.md CMakeLists.txt CMakePresets.json CONTRIBUTING.md LICENSE README.md calib
+datasets-synthetic include scripts src tests""".split())
 
 
 def complain(path, line, what):
@@ -71,8 +75,16 @@ def check_calls(path, text):
             complain(path, number, f"{call.group(1)}: the library neither prints nor ends the program")
 
 
+def check_top():
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, text=True)
+    for name in sorted({name.split("/")[0] for name in listed.stdout.split("\0") if name}):
+        if name not in TOP and not name.startswith("."):
+            complain(root / name, 1, "does not belong at the top level")
+
+
 def main():
     allowed = read_table()
+    check_top()
     for path in sorted(p for p in root.glob("src/**/*") if p.suffix in (".c", ".h", ".cc")):
         folder, text = path.relative_to(src).parts[0], path.read_text()
         if folder not in allowed:

@@ -33,7 +33,11 @@ enum {
     CLI_CALIBRATE = 32,
     CLI_CORRECT = 64,
     CLI_RELIGHT = 128,
-    CLI_ALL = 255
+    CLI_CHECK = 256,
+    CLI_EXPORT = 512,
+    CLI_CHART = 1024,
+    CLI_REGISTER = 2048,
+    CLI_ALL = 4095
 };
 
 typedef struct cli_session cli_session;

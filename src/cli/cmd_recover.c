@@ -156,15 +156,25 @@ static igi_status recover_into(cli_session *s, const igi_scene *scene, igi_outpu
     return status;
 }
 
+/* An option that would change nothing is a mistake of the user's; so is a result without a place. */
+static bool is_usage_right(const cli_values *v)
+{
+    const char *mistake = NULL;
+    if (!v->output && !v->dry_run) mistake = "where to? give a folder with -o";
+    if (strcmp(v->gather_from, "patches") != 0 && strcmp(v->method, "gather") != 0)
+        mistake = "--gather-from photos is for --method gather; give that, too, or leave it out";
+    if (strcmp(v->form_factors, "rays") != 0 && strcmp(v->method, "radiosity") != 0)
+        mistake = "--form-factors is for --method radiosity; give that, too, or leave it out";
+    if (mistake) fprintf(stderr, "igi: recover: %s\n", mistake);
+    return !mistake;
+}
+
 static igi_status run(cli_session *s)
 {
     const char *path = s->arguments[0];
     igi_scene *scene = NULL;
     igi_output *output = NULL;
-    if (!s->values.output && !s->values.dry_run) {
-        fprintf(stderr, "igi: recover: where to? give a folder with -o\n");
-        return IGI_E_USAGE;
-    }
+    if (!is_usage_right(&s->values)) return IGI_E_USAGE;
     cli_progress_report(s, "scene", 0);
     igi_status status = igi_scene_load(s->context, path, &scene);
     if (status == IGI_OK && s->values.dry_run) {

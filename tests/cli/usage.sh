@@ -7,7 +7,7 @@
 
 expect 0 "" "$igi"
 stdout '^usage: igi COMMAND'
-[ "$(wc -l <"$out")" -le 18 ] || fail "igi alone says more than a screen"
+[ "$(wc -l <"$out")" -le 23 ] || fail "igi alone says more than a screen"
 cp "$out" overview
 expect 0 "" "$igi" help
 cmp -s overview "$out" || fail "igi and igi help differ"
@@ -47,6 +47,8 @@ expect 2 'must be one of' "$igi" recover x --method patch
 expect 2 '0 arguments given, 1 needed' "$igi" recover
 expect 2 '2 arguments given, 1 needed' "$igi" recover a b
 expect 2 'where to\?' "$igi" recover x
+expect 2 '--gather-from photos is for --method gather' "$igi" recover x -n --gather-from photos
+expect 2 '--form-factors is for --method radiosity' "$igi" recover x -n --form-factors closed
 expect 2 'against what\?' "$igi" validate x
 
 # Where the input is wrong: status 3, the file, and nothing written.
