@@ -17,5 +17,6 @@
 #include <igi/render.h>
 #include <igi/synth.h>
 #include <igi/report.h>
+#include <igi/chart.h>
 
 #endif

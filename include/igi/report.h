@@ -35,6 +35,11 @@ typedef struct igi_validation {
 /* Compares the folder that recovery wrote with a truth folder. */
 IGI_API IGI_MUST_USE igi_status igi_validate(igi_context *context, const char *folder,
                                              const char *truth_folder, igi_validation **validation);
+/* The same of materials in memory, those of one scene both. */
+IGI_API IGI_MUST_USE igi_status igi_validate_materials(igi_context *context,
+                                                       const igi_materials *got,
+                                                       const igi_materials *truth,
+                                                       igi_validation **validation);
 IGI_API void igi_validation_destroy(igi_validation *validation);
 
 /* Writes FOLDER/comparison/NAME.photo.png, NAME.prediction.png and NAME.difference.png for some

@@ -186,12 +186,31 @@ static igi_status summarise(igi_context *ctx, igi_validation *v)
     return IGI_OK;
 }
 
+igi_status igi_validate_materials(igi_context *ctx, const igi_materials *got,
+                                  const igi_materials *truth, igi_validation **validation)
+{
+    igi_status status = IGI_OK;
+    igi_validation *v = NULL;
+    *validation = NULL;
+    if (got->bands != truth->bands)
+        return igi_fail(ctx, IGI_E_DATA, "the result has %d bands, the truth %d", got->bands,
+                        truth->bands);
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &v));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, truth->count, &v->regions));
+    IGI_TRY_GOTO(compare_all(ctx, got, truth, v));
+    IGI_TRY_GOTO(summarise(ctx, v));
+    *validation = v;
+    v = NULL;
+cleanup:
+    igi_validation_destroy(v);
+    return status;
+}
+
 igi_status igi_validate(igi_context *ctx, const char *folder, const char *truth_folder,
                         igi_validation **validation)
 {
     igi_status status = IGI_OK;
     igi_materials *got = NULL, *want = NULL;
-    igi_validation *v = NULL;
     *validation = NULL;
     IGI_TRY_GOTO(igi_materials_load(ctx, folder, &got));
     IGI_TRY_GOTO(igi_materials_load(ctx, truth_folder, &want));
@@ -200,14 +219,8 @@ igi_status igi_validate(igi_context *ctx, const char *folder, const char *truth_
                               "%s: has %d bands, the truth in %s has %d; compare "
                               "results of the same scene",
                               folder, got->bands, truth_folder, want->bands));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &v));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, want->count, &v->regions));
-    IGI_TRY_GOTO(compare_all(ctx, got, want, v));
-    IGI_TRY_GOTO(summarise(ctx, v));
-    *validation = v;
-    v = NULL;
+    IGI_TRY_GOTO(igi_validate_materials(ctx, got, want, validation));
 cleanup:
-    igi_validation_destroy(v);
     igi_materials_destroy(got);
     igi_materials_destroy(want);
     return status;

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "chart/case.h"
+
+#include "base/vec.h"
+
+#include <igi/render.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#define HALF_INTERVAL 1.96 /* of a normal distribution's 95 %, in standard deviations */
+
+/* The case's own context hears of the user's wish to stop through its progress. */
+static bool go_on(void *user, const char *stage, double fraction)
+{
+    (void)stage;
+    (void)fraction;
+    return igi_progress(user, 0) == IGI_OK;
+}
+
+static void judge(chart_case *c, double got, double want, double std)
+{
+    if (!(std > 0) || isinf(std)) return;
+    double sigmas = fabs(got - want) / std;
+    c->intervals++;
+    c->covered += sigmas <= HALF_INTERVAL;
+    c->worst_sigmas = fmax(c->worst_sigmas, sigmas);
+}
+
+static const igi_material *find(const igi_materials *materials, const char *region)
+{
+    for (size_t i = 0; i < materials->count; i++)
+        if (strcmp(materials->materials[i].region, region) == 0) return &materials->materials[i];
+    return NULL;
+}
+
+/* Of a textured region the standard deviation holds its texture too: only lobes are judged. */
+static void judge_intervals(const igi_materials *truth, chart_case *c)
+{
+    for (size_t i = 0; i < c->validation->region_count; i++) {
+        const igi_region_error *e = &c->validation->regions[i];
+        const igi_material *want = find(truth, e->region), *got = find(c->materials, e->region);
+        if (!e->judged || e->missing || !want || !got) continue;
+        for (int b = 0; b < truth->bands && !want->map && !got->textured; b++)
+            judge(c, got->albedo[b], want->albedo[b], got->albedo_std[b]);
+        if (want->model == IGI_LAMBERT || got->model == IGI_LAMBERT) continue;
+        judge(c, got->specular, want->specular, got->specular_std);
+        judge(c, got->alpha, want->alpha, got->alpha_std);
+    }
+}
+
+static void add_costs(const igi_context *ctx, chart_case *c)
+{
+    const igi_stage *stages;
+    size_t count = igi_context_stages(ctx, &stages);
+    for (size_t i = 0; i < count; i++) {
+        c->cpu_s += stages[i].cpu_s;
+        c->rays += stages[i].rays;
+        if (stages[i].peak_bytes > c->peak_bytes) c->peak_bytes = stages[i].peak_bytes;
+    }
+}
+
+igi_status chart_case_run(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,
+                          const igi_recover_options *options, uint64_t seed, chart_case *c)
+{
+    igi_status status = IGI_OK;
+    igi_recovery *recovery = NULL;
+    igi_context *own = NULL;
+    igi_context_options o;
+    igi_context_options_init(&o);
+    o.threads = 1;
+    o.seed = seed;
+    o.progress = go_on;
+    o.user = ctx;
+    *c = (chart_case){.status = IGI_OK};
+    if (igi_context_create(&o, &own) != IGI_OK)
+        return igi_fail(ctx, IGI_E_SYSTEM, "no memory for a context");
+    c->status = igi_recover(own, scene, options, &recovery);
+    add_costs(own, c);
+    snprintf(c->message, sizeof c->message, "%s",
+             c->status == IGI_OK ? "" : igi_context_message(own));
+    bool refused = c->status == IGI_E_DATA || c->status == IGI_E_NO_ANSWER;
+    if (c->status != IGI_OK) {
+        if (!refused) status = igi_fail(ctx, c->status, "%s", c->message);
+        goto cleanup;
+    }
+    c->materials = recovery->materials;
+    recovery->materials = NULL;
+    IGI_TRY_GOTO(igi_validate_materials(ctx, c->materials, truth, &c->validation));
+    judge_intervals(truth, c);
+cleanup:
+    igi_recovery_destroy(recovery);
+    igi_context_destroy(own);
+    if (status != IGI_OK) chart_case_clear(c);
+    return status;
+}
+
+void chart_case_clear(chart_case *c)
+{
+    igi_materials_destroy(c->materials);
+    igi_validation_destroy(c->validation);
+    c->materials = NULL;
+    c->validation = NULL;
+}
+
+igi_status chart_relit_error(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,
+                             const igi_materials *got, const igi_light *lights, size_t light_count,
+                             const igi_camera *camera, int samples, double *error)
+{
+    igi_status status = IGI_OK;
+    igi_image *want = NULL, *have = NULL;
+    igi_render_options options;
+    igi_render_options_init(&options);
+    options.samples = samples;
+    *error = (double)NAN;
+    IGI_TRY_GOTO(igi_render(ctx, scene, truth, lights, light_count, camera, &options, &want, NULL));
+    IGI_TRY_GOTO(igi_render(ctx, scene, got, lights, light_count, camera, &options, &have, NULL));
+    double wrong = 0, all = 0;
+    size_t samples_count = (size_t)want->width * (size_t)want->height * (size_t)want->channels;
+    for (size_t i = 0; i < samples_count; i++) {
+        wrong += fabs((double)have->samples[i] - (double)want->samples[i]);
+        all += (double)want->samples[i];
+    }
+    if (all > 0) *error = wrong / all;
+cleanup:
+    igi_image_destroy(want);
+    igi_image_destroy(have);
+    return status;
+}

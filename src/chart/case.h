@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * One case of a chart: a scene is recovered and compared with its truth.
+ */
+#ifndef IGI_SRC_CHART_CASE_H
+#define IGI_SRC_CHART_CASE_H
+
+#include "base/context.h"
+
+#include <igi/chart.h>
+
+/* Errors are relative, as igi_validation's; NaN where they do not apply. */
+typedef struct chart_case {
+    igi_status status;          /* of the recovery: that igi refuses a scene is a result */
+    char message[512];          /* its sentence, when it refused */
+    igi_materials *materials;   /* what was found; NULL when it refused */
+    igi_validation *validation; /* likewise */
+    size_t intervals, covered;  /* stated 95 % intervals of judged albedos, rho_s and alpha */
+    double worst_sigmas;        /* largest error over its stated standard deviation */
+    double cpu_s;               /* of the whole process while the case ran */
+    uint64_t rays, peak_bytes;  /* peak: of the process so far */
+} chart_case;
+
+/* Recovers with a context of its own (one thread, its own streams by `seed`), so that many cases
+ * can run at once. Fails only when comparing fails, memory ends, or the user interrupts. */
+IGI_MUST_USE igi_status chart_case_run(igi_context *ctx, const igi_scene *scene,
+                                       const igi_materials *truth,
+                                       const igi_recover_options *options, uint64_t seed,
+                                       chart_case *result);
+void chart_case_clear(chart_case *c);
+
+/* The scene as the camera would see it under `lights` with the recovered materials, against the same
+ * with the true ones, with the same paths so that their noise mostly cancels: the mean over pixels
+ * and bands of |got - want|, over the mean of want. */
+IGI_MUST_USE igi_status chart_relit_error(igi_context *ctx, const igi_scene *scene,
+                                          const igi_materials *truth, const igi_materials *got,
+                                          const igi_light *lights, size_t light_count,
+                                          const igi_camera *camera, int samples, double *error);
+
+#endif
