@@ -88,12 +88,13 @@ typedef struct igi_merged {
     size_t count;
     igi_merged_frame *frames; /* in the order given */
     double scatter;           /* measured standard deviation / that of the noise model */
+    char *warning;            /* what is odd about the photographs; NULL: nothing */
 } igi_merged;
 
 /* Merges a bracket. The photographs are read one at a time. When the pictures contradict listed
  * exposures, IGI_E_DATA with the names of the frames. When they contradict the camera's own word,
- * its processing differed from frame to frame (phones do that): a warning, and EXIF stands; unless
- * two frames are simply equal. */
+ * its processing differed from frame to frame (phones do that): `warning` says so, and EXIF stands;
+ * unless two frames are simply equal. */
 IGI_API IGI_MUST_USE igi_status igi_merge(igi_context *context, const igi_exposure *exposures,
                                           size_t count, const igi_merge_options *options,
                                           igi_merged **merged);

@@ -6,7 +6,7 @@
 #ifndef IGI_SCENE_H
 #define IGI_SCENE_H
 
-#include <igi/base.h>
+#include <igi/hdr.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -67,8 +67,10 @@ typedef struct igi_camera {
 
 typedef struct igi_frame {
     char *name; /* as the cameras' file names the image, without folder and ending */
-    char *path; /* of the image */
+    char *path; /* of the image; names nothing when the image is merged from exposures */
     igi_camera camera;
+    size_t exposure_count; /* 0: the image is there, at `path` */
+    igi_exposure *exposures;
 } igi_frame;
 
 typedef struct igi_scene {
@@ -82,6 +84,8 @@ typedef struct igi_scene {
     igi_light *lights;
     size_t frame_count;
     igi_frame *frames;
+    char *calibration;                    /* file of what the camera did to the images; or NULL */
+    igi_response_kind exposures_response; /* of the exposures, where the calibration has none */
     size_t file_count; /* paths of what was read besides the photographs: manifest, mesh, cameras
                         * (a folder, of COLMAP's) */
     char **files;

@@ -59,12 +59,13 @@ static void *thread_main(void *argument)
     return NULL;
 }
 
-static void worker_init(worker *w, loop *l, int number)
+static void worker_init(worker *w, loop *l, int number, bool alone)
 {
     w->loop = l;
     w->number = number;
     w->ctx.options = l->root->options;
     w->ctx.root = l->root->root;
+    if (!alone) w->ctx.options.threads = 1; /* a loop within a task runs on the task's thread */
 }
 
 igi_status igi_parallel_for(igi_context *ctx, size_t count, igi_task_fn task, void *user)
@@ -74,7 +75,7 @@ igi_status igi_parallel_for(igi_context *ctx, size_t count, igi_task_fn task, vo
     worker *workers;
     IGI_TRY(IGI_ALLOC(ctx, threads, &workers));
     loop l = {.root = ctx, .task = task, .user = user, .count = count};
-    for (size_t i = 0; i < threads; i++) worker_init(&workers[i], &l, (int)i);
+    for (size_t i = 0; i < threads; i++) worker_init(&workers[i], &l, (int)i, threads == 1);
     for (size_t i = 1; i < threads; i++) /* a thread that cannot be had only costs time */
         workers[i].started = pthread_create(&workers[i].thread, NULL, thread_main, &workers[i]) ==
                              0;

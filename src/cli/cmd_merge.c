@@ -142,6 +142,7 @@ static igi_status run(cli_session *s)
         status = igi_image_save_exr(s->context, merged->image, IGI_EXR_FLOAT, s->values.output);
     if (status == IGI_OK && s->values.save_response) status = save_response(s, merged);
     cli_progress_clear(&s->progress);
+    if (status == IGI_OK && merged->warning) cli_progress_log(s, merged->warning);
     if (status == IGI_OK && s->values.json) print_json(s, exposures, merged);
     else if (status == IGI_OK && !s->values.quiet) print_table(s, exposures, merged);
     igi_merged_destroy(merged);

@@ -41,7 +41,8 @@ static igi_status save_manifest(cli_session *s, const igi_scene *scene, const ch
     const char **inputs = calloc(scene->file_count + scene->frame_count + 1, sizeof *inputs);
     if (!inputs) return fail("memory", "no room for the list of inputs");
     for (size_t i = 0; i < scene->file_count; i++) inputs[count++] = scene->files[i];
-    for (size_t i = 0; i < scene->frame_count; i++) inputs[count++] = scene->frames[i].path;
+    for (size_t i = 0; i < scene->frame_count; i++) /* exposures are among the files */
+        if (!scene->frames[i].exposure_count) inputs[count++] = scene->frames[i].path;
     cli_command_line(s, command, sizeof command);
     igi_manifest manifest = {.command = command,
                              .setting_count = cli_settings(s, settings, numbers, 24),
@@ -197,7 +198,8 @@ const cli_command cli_recover = {
     .summary = "albedo with error bars from photographs, mesh and cameras",
     .example = "igi recover my-room -o my-room.out",
     .details =
-        "SCENE is a folder with scene.json, mesh, cameras and radiance images. OUT receives\n"
+        "SCENE is a folder with scene.json, mesh, cameras and radiance images; or photographs,\n"
+        "where scene.json names \"brackets\" and a \"calibration\" to undo. OUT receives\n"
         "materials.json, albedo/ and uncertainty/ (maps), scene.glb, manifest.json and\n"
         "report.html. truth/, heldout/ and relit*/ in SCENE are never opened.",
     .run = run,

@@ -169,7 +169,7 @@ static bool describe(const job *j, size_t pair, double seen, char *sentence, siz
 }
 
 /* Refuses false lists; puts EXIF's ratio in the place of one that a camera's processing shows. */
-static igi_status judge_exposures(igi_context *ctx, job *j)
+static igi_status judge_exposures(igi_context *ctx, job *j, char **warning)
 {
     igi_bracket *bracket = &j->bracket;
     char wrong[800] = "", odd[800] = "";
@@ -189,12 +189,11 @@ static igi_status judge_exposures(igi_context *ctx, job *j)
     if (first != SIZE_MAX)
         return igi_fail(ctx, IGI_E_DATA, "%s: false exposures: %s%s; correct the times",
                         j->frames[first + 1].exposure->path, wrong, more ? ", and more" : "");
-    if (odd[0])
-        igi_warn(ctx,
-                 "the camera processed the photographs differently (%s): the radiance is "
-                 "rough; merge raw files where you have them",
-                 odd);
-    return IGI_OK;
+    if (!odd[0]) return IGI_OK;
+    return igi_strprintf(ctx, warning,
+                         "the camera processed the photographs differently (%s): the radiance is "
+                         "rough; merge raw files where you have them",
+                         odd);
 }
 
 /* What the pictures say replaces what is stated; the mean logarithm, and so the unit, stays. */
@@ -218,7 +217,7 @@ static void use_measured_ratios(igi_bracket *bracket)
 
 /* Ratios seen through a response that was fitted to the same pictures are checks, no better
  * values: film and phones bend such a curve by more than a camera rounds its times. */
-static igi_status settle_exposures(igi_context *ctx, job *j)
+static igi_status settle_exposures(igi_context *ctx, job *j, char **warning)
 {
     igi_bracket *bracket = &j->bracket;
     if (bracket->count < 2 && !j->response)
@@ -229,7 +228,7 @@ static igi_status settle_exposures(igi_context *ctx, job *j)
     if (bracket->count < 2) return IGI_OK;
     j->fitted = !j->response;
     if (j->fitted) IGI_TRY(igi_hdr_recover_response(ctx, bracket, &j->response));
-    IGI_TRY(judge_exposures(ctx, j));
+    IGI_TRY(judge_exposures(ctx, j, warning));
     if (!j->fitted && j->options->refine) use_measured_ratios(bracket);
     if (j->options->response != IGI_RESPONSE_DEBEVEC &&
         j->options->response != IGI_RESPONSE_ROBERTSON)
@@ -317,7 +316,7 @@ igi_status igi_merge(igi_context *ctx, const igi_exposure *exposures, size_t cou
     made->count = count;
     for (size_t i = 0; i < count; i++) made->frames[i].stated = igi_hdr_exposure(&exposures[i]);
     IGI_TRY_GOTO(first_pass(ctx, &j));
-    IGI_TRY_GOTO(settle_exposures(ctx, &j));
+    IGI_TRY_GOTO(settle_exposures(ctx, &j, &made->warning));
     if (j.options->method == IGI_MERGE_PHOTON) IGI_TRY_GOTO(second_pass(ctx, &j, made));
     else
         IGI_TRY_GOTO(igi_hdr_compare_merge(ctx, exposures, count, j.response,

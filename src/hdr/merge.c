@@ -42,6 +42,7 @@ void igi_merged_destroy(igi_merged *merged)
     igi_image_destroy(merged->image);
     igi_response_destroy(merged->response);
     igi_free(merged->frames);
+    igi_free(merged->warning);
     igi_free(merged);
 }
 

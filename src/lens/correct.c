@@ -2,8 +2,9 @@
  *
  * Undoing distortion and vignetting, with one resampling.
  *
- * The result is what a pinhole of the same focal lengths and principal point would have seen: for
- * each of its pixels the distorted place is closed-form, and is read there by Catmull and Rom's
+ * The result is what a pinhole of the same focal lengths and principal point would have seen, or
+ * another camera that the caller names: for each of its pixels the direction is known (for a
+ * pinhole at once), the distorted place is closed-form, and is read there by Catmull and Rom's
  * bicubic, held within the four pixels around (no overshoot at lamps). Vignetting belongs to the
  * sensor, so it is divided out at the distorted place, before interpolating, pixel by pixel.
  * Variances interpolate with the squares of the weights.
@@ -23,7 +24,7 @@ typedef struct job {
     const igi_calibration *calibration;
     const igi_image *image;
     igi_image *out;
-    igi_camera distorted; /* looks along -z, from the origin */
+    igi_camera distorted, wanted; /* look along -z, from the origin */
     channel_kind kinds[IGI_MAX_BANDS + 1];
 } job;
 
@@ -84,8 +85,7 @@ static igi_status correct_row(igi_context *ctx, void *user, size_t row, int work
     for (int column = 0; column < width; column++) {
         float *to = j->out->samples +
                     (row * (size_t)width + (size_t)column) * (size_t)j->out->channels;
-        igi_vec p = igi_v((float)((column + .5 - lens->cx) / lens->fl_x),
-                          (float)(-((double)row + .5 - lens->cy) / lens->fl_y), -1);
+        igi_vec p = igi_camera_direction(&j->wanted, column + .5, (double)row + .5);
         double x = column + .5, y = (double)row + .5, wx[4], wy[4], weights[4][4], gains[4][4];
         size_t at[4][4];
         if (j->calibration->has_lens && (!igi_camera_project(lens, p, &x, &y) ||
@@ -112,6 +112,12 @@ static igi_status correct_row(igi_context *ctx, void *user, size_t row, int work
     return IGI_OK;
 }
 
+static void put_at_origin(igi_camera *camera)
+{
+    memset(camera->camera_to_world, 0, sizeof camera->camera_to_world);
+    for (int i = 0; i < 3; i++) camera->camera_to_world[i][i] = 1;
+}
+
 static igi_camera lens_at_origin(const igi_calibration *c)
 {
     igi_camera lens = c->lens;
@@ -120,16 +126,23 @@ static igi_camera lens_at_origin(const igi_calibration *c)
         lens.cx = c->width / 2.;
         lens.cy = c->height / 2.;
     }
-    memset(lens.camera_to_world, 0, sizeof lens.camera_to_world);
-    for (int i = 0; i < 3; i++) lens.camera_to_world[i][i] = 1;
+    put_at_origin(&lens);
     return lens;
 }
 
-igi_status igi_correct(igi_context *ctx, const igi_calibration *calibration, const igi_image *image,
-                       igi_image **corrected, igi_camera *camera)
+static igi_camera pinhole_of(igi_camera lens)
+{
+    lens.k1 = lens.k2 = lens.k3 = lens.p1 = lens.p2 = 0;
+    return lens;
+}
+
+igi_status igi_correct_for(igi_context *ctx, const igi_calibration *calibration,
+                           const igi_image *image, const igi_camera *wanted, igi_image **corrected)
 {
     igi_status status = IGI_OK;
-    job j = {calibration, image, NULL, lens_at_origin(calibration), {COLOUR}};
+    igi_camera lens = lens_at_origin(calibration);
+    job j = {calibration, image, NULL, lens, wanted ? *wanted : pinhole_of(lens), {COLOUR}};
+    put_at_origin(&j.wanted);
     *corrected = NULL;
     if (image->width != calibration->width || image->height != calibration->height)
         return igi_fail(ctx, IGI_E_DATA,
@@ -141,14 +154,18 @@ igi_status igi_correct(igi_context *ctx, const igi_calibration *calibration, con
     memcpy(j.out->names, image->names, sizeof image->names);
     for (int c = 0; c < image->channels; c++) j.kinds[c] = kind_of(image->names[c]);
     IGI_TRY_GOTO(igi_parallel_for(ctx, (size_t)image->height, correct_row, &j));
-    if (camera) {
-        *camera = j.distorted;
-        camera->k1 = camera->k2 = camera->k3 = camera->p1 = camera->p2 = 0;
-    }
     *corrected = j.out;
     j.out = NULL;
 cleanup:
     igi_stage_begin(ctx, NULL);
     igi_image_destroy(j.out);
     return status;
+}
+
+igi_status igi_correct(igi_context *ctx, const igi_calibration *calibration, const igi_image *image,
+                       igi_image **corrected, igi_camera *camera)
+{
+    IGI_TRY(igi_correct_for(ctx, calibration, image, NULL, corrected));
+    if (camera) *camera = pinhole_of(lens_at_origin(calibration));
+    return IGI_OK;
 }

@@ -2,6 +2,7 @@
 #include "maps/compare.h"
 
 #include "base/parallel.h"
+#include "lens/photographs.h"
 #include "observe/visible.h"
 #include "specular/lobe_view.h"
 #include "scene/camera.h"
@@ -15,6 +16,7 @@ typedef struct job {
     const igi_field *field;
     const igi_layout *layout;
     igi_recovery *recovery;
+    igi_photographs *photographs;
 } job;
 
 static void predict(const job *j, const igi_hit *hit, igi_vec eye, igi_vec direction,
@@ -44,19 +46,21 @@ static void predict(const job *j, const igi_hit *hit, igi_vec eye, igi_vec direc
         igi_lobe_view_radiance(p->lobes, p, igi_surface_of(hit), hit->u, hit->v, eye, radiance);
 }
 
-static igi_status take_photograph(igi_context *ctx, const igi_frame *frame, int bands,
-                                  igi_comparison *c)
+static igi_status take_photograph(igi_context *ctx, const job *j, size_t frame, igi_comparison *c)
 {
     igi_image *image = NULL;
+    char *warning = NULL; /* observing has noted it already */
+    int bands = j->problem->bands;
     igi_status status = IGI_OK;
-    IGI_TRY_GOTO(igi_strdup(ctx, frame->name, &c->frame));
-    IGI_TRY_GOTO(igi_image_load_exr(ctx, frame->path, &image));
+    IGI_TRY_GOTO(igi_strdup(ctx, j->problem->scene->frames[frame].name, &c->frame));
+    IGI_TRY_GOTO(igi_photographs_load(ctx, j->photographs, frame, &image, &warning));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->photo));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->prediction));
     for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++)
         memcpy(c->photo->samples + i * (size_t)bands, image->samples + i * (size_t)image->channels,
                (size_t)bands * sizeof(float));
 cleanup:
+    igi_free(warning);
     igi_image_destroy(image);
     return status;
 }
@@ -69,7 +73,7 @@ static igi_status compare_frame(igi_context *ctx, void *user, size_t index, int 
     size_t number = index * p->scene->frame_count / j->recovery->comparison_count;
     const igi_frame *frame = &p->scene->frames[number];
     igi_comparison *c = &j->recovery->comparisons[index];
-    IGI_TRY(take_photograph(ctx, frame, p->bands, c));
+    IGI_TRY(take_photograph(ctx, j, number, c));
     igi_vec centre = igi_camera_centre(&frame->camera);
     float *radiance = c->prediction->samples;
     for (int y = 0; y < c->photo->height; y++)
@@ -89,6 +93,9 @@ igi_status igi_compare(igi_context *ctx, const igi_problem *problem, const igi_f
     size_t count = frames < PHOTOGRAPHS ? frames : PHOTOGRAPHS;
     IGI_TRY(IGI_ALLOC(ctx, count, &recovery->comparisons));
     recovery->comparison_count = count;
-    job j = {problem, field, layout, recovery};
-    return igi_parallel_for(ctx, count, compare_frame, &j);
+    job j = {problem, field, layout, recovery, NULL};
+    igi_status status = igi_photographs_open(ctx, problem->scene, &j.photographs);
+    if (status == IGI_OK) status = igi_parallel_for(ctx, count, compare_frame, &j);
+    igi_photographs_close(j.photographs);
+    return status;
 }

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/rng.h"
+#include "lens/photographs.h"
 #include "observe/visible.h"
 
 #include <igi/image.h>
@@ -28,11 +29,13 @@ typedef struct frame_pixels {
     float *uv, *radiance;
     size_t broken;
     uint32_t first_broken;
+    char *warning;     /* about the photograph; NULL: none */
     size_t hits, back; /* pixels that show a surface, and its clockwise side */
 } frame_pixels;
 
 typedef struct job {
     const igi_scene *scene;
+    igi_photographs *photographs;
     const igi_tracer *tracer;
     uint32_t keep_below; /* of a 32-bit hash; UINT32_MAX: all */
     frame_pixels *frames;
@@ -172,7 +175,8 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     igi_visible visible = {0};
     igi_status status = IGI_OK;
     const igi_frame *meta = &j->scene->frames[frame];
-    IGI_TRY_GOTO(igi_image_load_exr(ctx, meta->path, &image));
+    IGI_TRY_GOTO(
+        igi_photographs_load(ctx, j->photographs, frame, &image, &j->frames[frame].warning));
     IGI_TRY_GOTO(check_photograph(ctx, j->scene, frame, image));
     IGI_TRY_GOTO(igi_visible_create(ctx, j->scene, j->tracer, &meta->camera, &visible));
     size_t pixels = (size_t)image->width * (size_t)image->height;
@@ -211,11 +215,16 @@ static igi_status join_all(igi_context *ctx, job *j, igi_observations *o)
     return IGI_OK;
 }
 
-static igi_status warn_of_broken(igi_context *ctx, const job *j, igi_observations *o)
+static igi_status collect_warnings(igi_context *ctx, const job *j, igi_observations *o)
 {
-    IGI_TRY(IGI_ALLOC(ctx, o->frame_count, &o->warnings));
+    IGI_TRY(IGI_ALLOC(ctx, 2 * o->frame_count, &o->warnings));
     for (size_t i = 0; i < o->frame_count; i++) {
         const frame_pixels *f = &j->frames[i];
+        if (f->warning) {
+            IGI_TRY(igi_strprintf(ctx, &o->warnings[o->warning_count], "image %s: %s",
+                                  j->scene->frames[i].name, f->warning));
+            o->warning_count++;
+        }
         if (f->broken == 0) continue;
         uint32_t width = (uint32_t)j->scene->frames[i].camera.width;
         IGI_TRY(igi_strprintf(
@@ -244,13 +253,14 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     job j = {.scene = scene, .tracer = tracer, .keep_below = share_to_keep(scene, limit)};
     igi_observations *o = NULL;
     igi_status status = IGI_OK;
+    IGI_TRY_GOTO(igi_photographs_open(ctx, scene, &j.photographs));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.frames));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &o));
     o->bands = scene->bands;
     o->frame_count = scene->frame_count;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
-    IGI_TRY_GOTO(warn_of_broken(ctx, &j, o));
+    IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
     *observations = o;
     o = NULL;
@@ -260,7 +270,9 @@ cleanup:
         igi_free(j.frames[i].pixel);
         igi_free(j.frames[i].uv);
         igi_free(j.frames[i].radiance);
+        igi_free(j.frames[i].warning);
     }
+    igi_photographs_close(j.photographs);
     igi_free(j.frames);
     igi_observations_destroy(o);
     return status;

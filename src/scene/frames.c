@@ -93,6 +93,7 @@ void igi_frames_destroy(igi_frame *frames, size_t count)
     for (size_t i = 0; frames && i < count; i++) {
         igi_free(frames[i].name);
         igi_free(frames[i].path);
+        igi_exposures_destroy(frames[i].exposures, frames[i].exposure_count);
     }
     igi_free(frames);
 }

@@ -62,5 +62,7 @@ IGI_MUST_USE igi_status igi_mesh_load(igi_context *ctx, igi_scene *scene, const 
 /* Keeps the sentence in the scene and hands it to the log. */
 IGI_MUST_USE igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format, ...)
     IGI_PRINTF(3, 4);
+/* Adds to scene->files what was read. */
+IGI_MUST_USE igi_status igi_scene_note_file(igi_context *ctx, igi_scene *scene, const char *path);
 
 #endif

@@ -16,7 +16,7 @@ static igi_status check_presence(igi_context *ctx, const igi_scene *scene, const
     char names[512] = "";
     size_t missing = 0, length = 0;
     for (size_t i = 0; i < scene->frame_count; i++) {
-        if (igi_file_exists(scene->frames[i].path)) continue;
+        if (scene->frames[i].exposure_count || igi_file_exists(scene->frames[i].path)) continue;
         if (missing++ >= 3 || length >= sizeof names) continue;
         int more = snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "",
                             scene->frames[i].path);
@@ -29,25 +29,47 @@ static igi_status check_presence(igi_context *ctx, const igi_scene *scene, const
                     cameras, missing, scene->frame_count, names, missing > 3 ? ", ..." : "");
 }
 
+/* Of the image, or of the first of the exposures that it is merged from; merging compares them. */
+static const char *first_file(const igi_frame *frame)
+{
+    return frame->exposure_count ? frame->exposures[0].path : frame->path;
+}
+
+static igi_status probe(igi_context *ctx, const igi_frame *frame, int *width, int *height,
+                        int *bands)
+{
+    int channels;
+    igi_photo *photo;
+    if (!frame->exposure_count)
+        return igi_image_probe_exr(ctx, frame->path, width, height, &channels, bands);
+    IGI_TRY(igi_photo_probe(ctx, first_file(frame), &photo));
+    *width = photo->width;
+    *height = photo->height;
+    *bands = photo->channels;
+    igi_photo_destroy(photo);
+    return IGI_OK;
+}
+
 static igi_status check_image(igi_context *ctx, igi_scene *scene, size_t number)
 {
     const igi_frame *frame = &scene->frames[number];
-    int width, height, channels, bands;
-    IGI_TRY(igi_image_probe_exr(ctx, frame->path, &width, &height, &channels, &bands));
+    const char *file = first_file(frame);
+    int width = 0, height = 0, bands = 0;
+    IGI_TRY(probe(ctx, frame, &width, &height, &bands));
     if (width != frame->camera.width || height != frame->camera.height)
         return igi_fail(
             ctx, IGI_E_DATA,
             "%s: is %dx%d pixels, but its camera %dx%d; give w and h (and fl_x, cx ...) "
             "of the image",
-            frame->path, width, height, frame->camera.width, frame->camera.height);
+            file, width, height, frame->camera.width, frame->camera.height);
     if (bands < 1 || bands > IGI_MAX_BANDS)
-        return igi_fail(ctx, IGI_E_DATA, "%s: has %d bands; export 1 to %d of them", frame->path,
-                        bands, IGI_MAX_BANDS);
+        return igi_fail(ctx, IGI_E_DATA, "%s: has %d bands; export 1 to %d of them", file, bands,
+                        IGI_MAX_BANDS);
     if (number == 0) scene->bands = bands;
     if (bands != scene->bands)
         return igi_fail(ctx, IGI_E_DATA,
-                        "%s: has %d bands, but %s has %d; all images must have the same",
-                        frame->path, bands, scene->frames[0].path, scene->bands);
+                        "%s: has %d bands, but %s has %d; all images must have the same", file,
+                        bands, first_file(&scene->frames[0]), scene->bands);
     return IGI_OK;
 }
 
@@ -66,7 +88,7 @@ static igi_status check_doubles(igi_context *ctx, const igi_scene *scene, const 
     for (size_t i = 0; i < scene->frame_count; i++) order[i] = &scene->frames[i];
     qsort(order, scene->frame_count, sizeof *order, by_path);
     for (size_t i = 1; i < scene->frame_count && status == IGI_OK; i++)
-        if (strcmp(order[i - 1]->path, order[i]->path) == 0)
+        if (strcmp(order[i - 1]->path, order[i]->path) == 0 && !order[i]->exposure_count)
             status = igi_fail(ctx, IGI_E_DATA, "%s: two frames name %s; remove one", cameras,
                               order[i]->path);
     igi_free(order);

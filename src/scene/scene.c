@@ -4,6 +4,7 @@
  */
 #include <igi/scene.h>
 
+#include "scene/brackets.h"
 #include "scene/frames.h"
 #include "scene/json.h"
 #include "scene/scene_parts.h"
@@ -32,7 +33,7 @@ igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format
     return IGI_OK;
 }
 
-static igi_status note_file(igi_context *ctx, igi_scene *scene, const char *path)
+igi_status igi_scene_note_file(igi_context *ctx, igi_scene *scene, const char *path)
 {
     size_t capacity = scene->file_count;
     char **grown = igi_grow(ctx, scene->files, &capacity, scene->file_count + 1,
@@ -51,7 +52,7 @@ static igi_status named_path(igi_context *ctx, const igi_json *at, igi_scene *sc
     IGI_TRY(igi_json_string(ctx, at, &name));
     IGI_TRY(igi_path_join(ctx, scene->folder, name, path));
     igi_status status = igi_file_exists(*path) || igi_is_folder(*path)
-                            ? note_file(ctx, scene, *path)
+                            ? igi_scene_note_file(ctx, scene, *path)
                             : igi_json_fail(
                                   ctx, at,
                                   "no readable file %s; correct the name, or put the file there",
@@ -66,10 +67,6 @@ static igi_status read_head(igi_context *ctx, const igi_json *root, igi_scene *s
 {
     static const char *const known[] = {"igi",    "name",    "mesh",        "cameras",
                                         "lights", "regions", "calibration", "brackets"};
-    static const char *const later[] = {"calibration", "brackets"};
-    static const char *const instead[] = {
-        "correct the images first (`igi correct`), then remove the key",
-        "merge the images to OpenEXR first (`igi merge`), then remove the key"};
     IGI_TRY(igi_json_check_keys(ctx, root, known, sizeof known / sizeof known[0]));
     igi_json version = igi_json_member(root, "igi"), name = igi_json_member(root, "name");
     double number;
@@ -77,10 +74,6 @@ static igi_status read_head(igi_context *ctx, const igi_json *root, igi_scene *s
     IGI_TRY(igi_json_number(ctx, &version, &number));
     if (number != 1)
         return igi_json_fail(ctx, &version, "is %g; this program reads version 1", number);
-    for (size_t i = 0; i < 2; i++) {
-        igi_json at = igi_json_member(root, later[i]);
-        if (at.value) return igi_json_fail(ctx, &at, "is not applied here; %s", instead[i]);
-    }
     if (!name.value) return igi_path_stem(ctx, scene->folder, &scene->name);
     IGI_TRY(igi_json_string(ctx, &name, &text));
     return igi_strdup(ctx, text, &scene->name);
@@ -100,12 +93,20 @@ static igi_status read_mesh(igi_context *ctx, const igi_json *root, igi_scene *s
 static igi_status read_cameras(igi_context *ctx, const igi_json *root, igi_scene *scene)
 {
     igi_json cameras = igi_json_member(root, "cameras");
-    char *path;
+    igi_json brackets = igi_json_member(root, "brackets");
+    igi_json calibration = igi_json_member(root, "calibration");
+    char *path, *list = NULL;
     IGI_TRY(named_path(ctx, &cameras, scene, &path));
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(igi_frames_load(ctx, path, &scene->frames, &scene->frame_count));
+    if (calibration.value) IGI_TRY_GOTO(named_path(ctx, &calibration, scene, &scene->calibration));
+    if (brackets.value) {
+        IGI_TRY_GOTO(named_path(ctx, &brackets, scene, &list));
+        IGI_TRY_GOTO(igi_brackets_read(ctx, list, scene));
+    }
     IGI_TRY_GOTO(igi_photos_check(ctx, scene, path));
 cleanup:
+    igi_free(list);
     igi_free(path);
     return status;
 }
@@ -183,7 +184,7 @@ igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **sc
         IGI_TRY_GOTO(igi_path_folder(context, path, &s->folder));
         IGI_TRY_GOTO(igi_strdup(context, path, &manifest));
     }
-    IGI_TRY_GOTO(note_file(context, s, manifest));
+    IGI_TRY_GOTO(igi_scene_note_file(context, s, manifest));
     IGI_TRY_GOTO(read_manifest(context, manifest, s));
     *scene = s;
     s = NULL;
@@ -209,6 +210,7 @@ void igi_scene_destroy(igi_scene *scene)
     igi_free(scene->mesh.triangles);
     igi_free(scene->mesh.regions);
     igi_free(scene->mesh.uvs);
+    igi_free(scene->calibration);
     igi_free(scene->name);
     igi_free(scene->folder);
     igi_free(scene);

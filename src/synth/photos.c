@@ -9,7 +9,9 @@
 #include "base/rng.h"
 
 #include <errno.h>
+#include <jansson.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -105,6 +107,32 @@ static igi_status save_brackets(igi_context *ctx, const char *folder, igi_image 
     return IGI_OK;
 }
 
+/* Which photographs make which image; EXIF states their exposures. */
+static igi_status save_list(igi_context *ctx, const char *folder, size_t count)
+{
+    char *path = NULL, name[64];
+    json_t *root = json_object(), *images = json_object();
+    int bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        json_t *files = json_array();
+        for (size_t e = 0; e < EXPOSURES; e++) {
+            snprintf(name, sizeof name, "%04zu_%zu.png", i, e);
+            bad |= json_array_append_new(files, json_string(name));
+        }
+        snprintf(name, sizeof name, "%04zu", i);
+        bad |= json_object_set_new(images, name, files);
+    }
+    bad |= json_object_set_new(root, "igi", json_integer(1));
+    bad |= json_object_set(root, "images", images);
+    igi_status status = igi_strprintf(ctx, &path, "%s/brackets.json", folder);
+    if (status == IGI_OK && (bad || json_dump_file(root, path, JSON_INDENT(1))))
+        status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno));
+    igi_free(path);
+    json_decref(images);
+    json_decref(root);
+    return status;
+}
+
 /* Photographs of an evenly lit wall, and the lens as a chessboard would have told it. */
 static igi_status save_calibration(igi_context *ctx, const char *folder, igi_calibration *camera,
                                    int channels)
@@ -140,6 +168,7 @@ igi_status photos_save(igi_context *ctx, const char *folder, const igi_camera *l
     igi_calibration *camera = NULL;
     IGI_TRY_GOTO(make_camera(ctx, pictures[0], lens, &camera));
     IGI_TRY_GOTO(save_brackets(ctx, folder, pictures, count, camera));
+    IGI_TRY_GOTO(save_list(ctx, folder, count));
     IGI_TRY_GOTO(save_calibration(ctx, folder, camera, pictures[0]->channels));
 cleanup:
     igi_calibration_destroy(camera);

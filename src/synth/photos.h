@@ -10,8 +10,8 @@
 /* Gives a camera the lens that photographs are taken through. */
 void photos_distort(igi_camera *camera);
 
-/* Writes a bracket NNNN_E.png for each picture, taken through photos_distort(lens); flat_N.png,
- * an evenly lit wall; lens.json, the distortion. */
+/* Writes a bracket NNNN_E.png for each picture, taken through photos_distort(lens); brackets.json,
+ * which names them; flat_N.png, an evenly lit wall; lens.json, the distortion. */
 IGI_MUST_USE igi_status photos_save(igi_context *ctx, const char *folder, const igi_camera *lens,
                                     igi_image **pictures, size_t count);
 

@@ -28,6 +28,13 @@ mkdir merged
 expect 0 '' "$igi" merge -q room/photos/0000_?.png -o merged/first.exr --response recovered \
     --save-response camera.json
 expect 0 '' "$igi" calibrate -q --flat room/photos/flat_?.png -o camera.json
+
+# The same by the manifest: recovery merges and corrects by itself.
+cp -r room keys
+sed 's|"mesh"|"calibration": "../camera.json", "brackets": "photos/brackets.json", &|' \
+    room/scene.json >keys/scene.json
+expect 0 '' "$igi" recover -q keys -o by_keys
+grep -q '"file": "keys/photos/0003_4.png"' by_keys/manifest.json || fail "a photograph is unnamed"
 for first in room/photos/0*_0.png; do
     name=$(basename "$first" _0.png)
     expect 0 '' "$igi" merge -q room/photos/"${name}"_?.png -o "merged/$name.exr" \
@@ -36,5 +43,29 @@ done
 rm merged/first.exr
 expect 0 '' "$igi" correct -q --calibration camera.json merged/*.exr -o room/images -f
 expect 0 '' "$igi" recover -q room -o out
+cmp out/materials.json by_keys/materials.json || fail "the manifest's keys give another result"
 expect 0 '' "$igi" validate -q out --truth room/truth --tolerance .03
+
+# What is wrong with the list is said with its line, before the long work.
+list() {
+    printf '%s\n' "$1" >keys/photos/brackets.json
+}
+list '{ "igi": 1,
+  "images": { "0000": [ "0000_0.png", "nowhere.png" ] } }'
+expect 3 'photos/brackets.json:2: "images.0000\[1\]": no readable file' "$igi" recover keys -o no
+list '{ "igi": 1, "images": { "0000": [ { "file": "flat_0.png", "second": 1 } ] } }'
+expect 3 'did you mean "seconds"' "$igi" recover keys -o no
+list '{ "igi": 1, "images": { "0000": [ { "file": "flat_0.png", "seconds": 0 } ] } }'
+expect 3 'give a number above 0' "$igi" recover keys -o no
+list '{ "igi": 1, "images": { "0000": [ "0000_0.png" ], "images/0000.exr": [ "0000_1.png" ] } }'
+expect 3 'names the frame 0000 a second time' "$igi" recover keys -o no
+list '{ "igi": 1, "images": { "0000": [ "0000_0.png" ] } }'
+expect 3 'no exposures for the image "0001"' "$igi" recover keys -o no
+list '{ "igi": 1, "response": "log", "images": { } }'
+expect 3 'give "linear" or "srgb"' "$igi" recover keys -o no
+sed 's|"w": *160|"w": 80|' camera.json >half.json
+sed 's|../camera.json|../half.json|' keys/scene.json >other.json && mv other.json keys/scene.json
+cp room/photos/brackets.json keys/photos/brackets.json
+expect 3 'half.json: it is for 80 x 120 pixels, and image 0000 has 160 x 120' \
+    "$igi" recover keys -o no
 finish

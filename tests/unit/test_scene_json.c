@@ -188,8 +188,15 @@ static void head(void)
     CHECK_REFUSED(IGI_E_DATA, "scene.json:2: \"mesh\": no readable file " FOLDER "/none.obj");
     write_text("scene.json", "{ \"igi\": 1, \"mesh\": \"scene.obj\" }");
     CHECK_REFUSED(IGI_E_DATA, "\"cameras\": is missing");
-    write_text("scene.json", "{ \"igi\": 1, \"brackets\": \"b.json\" }");
-    CHECK_REFUSED(IGI_E_DATA, "\"brackets\": is not applied here; merge");
+    write_text("scene.json", "{ \"igi\": 1, \"mesh\": \"scene.obj\", \"cameras\": "
+                             "\"transforms.json\",\n \"brackets\": \"b.json\" }");
+    CHECK_REFUSED(IGI_E_DATA, "scene.json:2: \"brackets\": no readable file " FOLDER "/b.json");
+    write_text("b.json", "{ \"igi\": 1,\n \"images\": { \"a\": [ \"images/a.exr\", 5 ] } }");
+    CHECK_REFUSED(IGI_E_DATA, "images/a.exr: ");
+    write_text("b.json", "{ \"igi\": 1,\n \"images\": { \"a\": [ 5 ] } }");
+    CHECK_REFUSED(IGI_E_DATA, "b.json:2: \"images.a[0]\": is a number; give a string");
+    write_text("b.json", "{ \"igi\": 1,\n \"images\": { \"a\": [ ] } }");
+    CHECK_REFUSED(IGI_E_DATA, "b.json:2: \"images.a\": has 0 exposures; give 1 to");
     write_text("scene.json", "[1]");
     CHECK_REFUSED(IGI_E_DATA, "scene.json:1: is an array; give an object");
 }

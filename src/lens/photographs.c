@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "lens/photographs.h"
+
+#include "base/context.h"
+#include "lens/lens_private.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Vignetting changes with the aperture: beyond this ratio of f-numbers it is another. */
+#define SAME_APERTURE 1.12
+
+struct igi_photographs {
+    const igi_scene *scene;
+    igi_calibration *calibration; /* NULL: the images are as they are wanted */
+    igi_merge_options merge;
+};
+
+static igi_status check_size(igi_context *ctx, const igi_scene *scene, const igi_calibration *c)
+{
+    for (size_t i = 0; i < scene->frame_count; i++) {
+        const igi_camera *camera = &scene->frames[i].camera;
+        if (camera->width == c->width && camera->height == c->height) continue;
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: it is for %d x %d pixels, and image %s has %d x %d; calibrate with "
+                        "photographs of that size, uncropped",
+                        scene->calibration, c->width, c->height, scene->frames[i].name,
+                        camera->width, camera->height);
+    }
+    return IGI_OK;
+}
+
+/* One response for all images, or each bracket would have a unit of its own. */
+static igi_status choose_response(igi_context *ctx, igi_photographs *p)
+{
+    const igi_scene *scene = p->scene;
+    const igi_response *given = p->calibration ? p->calibration->response : NULL;
+    igi_photo *first;
+    if (!scene->frame_count || !scene->frames[0].exposure_count) return IGI_OK;
+    const char *path = scene->frames[0].exposures[0].path;
+    IGI_TRY(igi_photo_probe(ctx, path, &first));
+    int levels = first->levels, channels = first->channels;
+    bool linear = first->linear;
+    igi_photo_destroy(first);
+    p->merge.response = scene->exposures_response;
+    if (linear || p->merge.response != IGI_RESPONSE_AUTO) return IGI_OK;
+    if (given && levels == given->levels && channels == given->channels) {
+        p->merge.response = IGI_RESPONSE_GIVEN;
+        p->merge.given = given;
+    } else if (given) {
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: its response is for %d channels of %d levels, and %s has %d of %d; "
+                        "calibrate with such photographs",
+                        scene->calibration, given->channels, given->levels, path, channels, levels);
+    } else if (levels > 256) {
+        p->merge.response = IGI_RESPONSE_LINEAR;
+    } else {
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: 8-bit codes tell light only through the camera's response, one for "
+                        "all images; recover it with igi merge --save-response, and name that file "
+                        "as scene.json's \"calibration\"",
+                        path);
+    }
+    return IGI_OK;
+}
+
+static void warn_of_aperture(igi_context *ctx, const igi_scene *scene, const igi_vignetting *v)
+{
+    for (size_t i = 0; v->known && v->f_number > 0 && i < scene->frame_count; i++)
+        for (size_t k = 0; k < scene->frames[i].exposure_count; k++) {
+            const igi_exposure *e = &scene->frames[i].exposures[k];
+            if (!(e->f_number > 0) || fabs(log(e->f_number / v->f_number)) <= log(SAME_APERTURE))
+                continue;
+            igi_warn(ctx,
+                     "%s: vignetting was measured at f/%.3g, and %s was taken at f/%.3g, where it "
+                     "differs; measure it at that aperture",
+                     scene->calibration, v->f_number, e->path, e->f_number);
+            return;
+        }
+}
+
+igi_status igi_photographs_open(igi_context *ctx, const igi_scene *scene,
+                                igi_photographs **photographs)
+{
+    igi_status status = IGI_OK;
+    igi_photographs *p = NULL;
+    *photographs = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &p));
+    p->scene = scene;
+    igi_merge_options_init(&p->merge);
+    if (scene->calibration) {
+        IGI_TRY_GOTO(igi_calibration_load(ctx, scene->calibration, &p->calibration));
+        IGI_TRY_GOTO(check_size(ctx, scene, p->calibration));
+        warn_of_aperture(ctx, scene, &p->calibration->vignetting);
+    }
+    IGI_TRY_GOTO(choose_response(ctx, p));
+    *photographs = p;
+    p = NULL;
+cleanup:
+    igi_photographs_close(p);
+    return status;
+}
+
+void igi_photographs_close(igi_photographs *photographs)
+{
+    if (!photographs) return;
+    igi_calibration_destroy(photographs->calibration);
+    igi_free(photographs);
+}
+
+static igi_status merge_frame(igi_context *ctx, const igi_photographs *p, const igi_frame *frame,
+                              igi_image **image, char **warning)
+{
+    igi_merged *merged;
+    IGI_TRY(igi_merge(ctx, frame->exposures, frame->exposure_count, &p->merge, &merged));
+    *image = merged->image;
+    *warning = merged->warning;
+    merged->image = NULL;
+    merged->warning = NULL;
+    igi_merged_destroy(merged);
+    if ((*image)->width == frame->camera.width && (*image)->height == frame->camera.height)
+        return IGI_OK;
+    return igi_fail(ctx, IGI_E_DATA, "%s: is %d x %d pixels, but its camera %d x %d; scale neither",
+                    frame->exposures[0].path, (*image)->width, (*image)->height,
+                    frame->camera.width, frame->camera.height);
+}
+
+igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photographs, size_t frame,
+                                igi_image **image, char **warning)
+{
+    const igi_frame *f = &photographs->scene->frames[frame];
+    const igi_calibration *c = photographs->calibration;
+    igi_status status = IGI_OK;
+    igi_image *taken = NULL;
+    *image = NULL;
+    *warning = NULL;
+    if (f->exposure_count) IGI_TRY_GOTO(merge_frame(ctx, photographs, f, &taken, warning));
+    else IGI_TRY_GOTO(igi_image_load_exr(ctx, f->path, &taken));
+    if (c && (c->has_lens || c->vignetting.known)) {
+        if (taken->width != c->width || taken->height != c->height) {
+            status = igi_fail(ctx, IGI_E_DATA, "%s: %d x %d pixels, and %s is for %d x %d", f->path,
+                              taken->width, taken->height, photographs->scene->calibration,
+                              c->width, c->height);
+            goto cleanup;
+        }
+        IGI_TRY_GOTO(igi_correct_for(ctx, c, taken, &f->camera, image));
+    } else {
+        *image = taken;
+        taken = NULL;
+    }
+cleanup:
+    igi_image_destroy(taken);
+    if (status != IGI_OK) {
+        igi_free(*warning);
+        *warning = NULL;
+    }
+    return status;
+}
