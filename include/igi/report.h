@@ -21,10 +21,13 @@ typedef struct igi_region_error {
     double texture_median, texture_mean, texture_seen; /* over texels that photographs determine */
     double specular, alpha;
     igi_model got, want;
-    double sigmas; /* largest over bands of |got - want| / stated standard deviation */
+    double sigmas; /* largest over bands of |albedo_z| */
+    /* got - want in units of the stated standard deviation; NaN where none is stated. */
+    double albedo_z[IGI_MAX_BANDS], specular_z, alpha_z;
 } igi_region_error;
 
 typedef struct igi_validation {
+    int bands;
     size_t region_count;
     igi_region_error *regions;
     double albedo_mean, albedo_median, albedo_max, specular_mean, alpha_mean, texture_median;

@@ -14,7 +14,7 @@ static void print_field(const char *key, double x, bool *first)
     *first = false;
 }
 
-static void print_region_json(const igi_region_error *r)
+static void print_region_json(const igi_region_error *r, int bands)
 {
     if (r->missing) {
         fputs("\"missing\"", stdout);
@@ -30,6 +30,14 @@ static void print_region_json(const igi_region_error *r)
     print_field("texture_mean", r->texture_mean, &first);
     print_field("texture_seen", r->texture_seen, &first);
     print_field("sigmas", r->sigmas, &first);
+    print_field("specular_z", r->specular_z, &first);
+    print_field("alpha_z", r->alpha_z, &first);
+    fputs(", \"albedo_z\": [", stdout);
+    for (int b = 0; b < bands; b++) {
+        fputs(b ? ", " : "", stdout);
+        cli_print_json_number(r->albedo_z[b]);
+    }
+    putchar(']');
     putchar('}');
 }
 
@@ -56,7 +64,7 @@ static void print_json(const igi_validation *v)
         fputs(comma, stdout);
         cli_print_json_string(v->regions[i].region);
         fputs(": ", stdout);
-        print_region_json(&v->regions[i]);
+        print_region_json(&v->regions[i], v->bands);
         comma = ", ";
     }
     puts("}}");
@@ -137,7 +145,8 @@ const cli_command cli_validate = {
     .details =
         "Errors are relative, |got - true| / max(true, 0.02), the mean over bands; of a map,\n"
         "over the texels that the photographs determine. sigmas: the largest error of a band\n"
-        "in units of its stated standard deviation. Emitters, and regions of which less than\n"
-        "a fifth is seen, are not judged.",
+        "in units of its stated standard deviation; --json has them signed, band by band, and\n"
+        "those of specular and alpha. Emitters, and regions of which less than a fifth is\n"
+        "seen, are not judged.",
     .run = run,
 };

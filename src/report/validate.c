@@ -87,14 +87,9 @@ static igi_status compare_maps(igi_context *ctx, const igi_material *got, const 
     return status;
 }
 
-static double largest_sigmas(const igi_material *got, const albedos *a, int bands)
+static double in_sigmas(double got, double want, double std)
 {
-    double largest = (double)NAN;
-    for (int b = 0; b < bands; b++) {
-        if (!(got->albedo_std[b] > 0) || isinf(got->albedo_std[b])) continue;
-        largest = fmax(largest, fabs(a->got[b] - a->want[b]) / got->albedo_std[b]);
-    }
-    return largest;
+    return std > 0 && !isinf(std) ? (got - want) / std : (double)NAN;
 }
 
 static igi_status compare_region(igi_context *ctx, const igi_material *got,
@@ -107,10 +102,15 @@ static igi_status compare_region(igi_context *ctx, const igi_material *got,
         IGI_TRY(compare_maps(ctx, got, want, bands, error, &a));
     error->albedo = 0;
     for (int b = 0; b < bands; b++) error->albedo += relative(a.got[b], a.want[b]) / bands;
-    error->sigmas = largest_sigmas(got, &a, bands);
+    for (int b = 0; b < bands; b++) {
+        error->albedo_z[b] = in_sigmas(a.got[b], a.want[b], got->albedo_std[b]);
+        error->sigmas = fmax(error->sigmas, fabs(error->albedo_z[b])); /* fmax passes over NaN */
+    }
     error->got = got->model;
     if (want->model == IGI_LAMBERT) return IGI_OK;
     error->specular = fabs(got->specular - want->specular) / want->specular;
+    error->specular_z = in_sigmas(got->specular, want->specular, got->specular_std);
+    error->alpha_z = in_sigmas(got->alpha, want->alpha, got->alpha_std);
     error->alpha = got->alpha > 0 ? fabs(got->alpha - want->alpha) / want->alpha : 1;
     return IGI_OK;
 }
@@ -136,7 +136,10 @@ static igi_status compare_all(igi_context *ctx, const igi_materials *got, const 
                                     .specular = none,
                                     .alpha = none,
                                     .sigmas = none,
+                                    .specular_z = none,
+                                    .alpha_z = none,
                                     .want = w->model};
+        for (int b = 0; b < IGI_MAX_BANDS; b++) error->albedo_z[b] = none;
         IGI_TRY(igi_strdup(ctx, w->region, &error->region));
         error->judged = !w->emitter && w->observed >= LEAST_SEEN;
         error->missing = error->judged && !g;
@@ -197,6 +200,7 @@ igi_status igi_validate_materials(igi_context *ctx, const igi_materials *got,
                         truth->bands);
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &v));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, truth->count, &v->regions));
+    v->bands = truth->bands;
     IGI_TRY_GOTO(compare_all(ctx, got, truth, v));
     IGI_TRY_GOTO(summarise(ctx, v));
     *validation = v;

@@ -203,8 +203,9 @@ static igi_status read_views(igi_context *ctx, spec *s)
 
 igi_status spec_load(igi_context *ctx, const char *path, spec *s)
 {
-    static const char *const known[] = {"igi_synth", "name",   "about", "bands",   "materials",
-                                        "shapes",    "lights", "views", "heldout", "relit"};
+    static const char *const known[] = {"igi_synth", "name",    "about",  "bands",
+                                        "materials", "shapes",  "lights", "random",
+                                        "views",     "heldout", "relit"};
     int bands = 3;
     double version;
     *s = (spec){.name = ""};
@@ -218,6 +219,7 @@ igi_status spec_load(igi_context *ctx, const char *path, spec *s)
     if (version != 1)
         return igi_json_fail(ctx, &number, "is %g; this program reads version 1", version);
     IGI_TRY(igi_json_string(ctx, &name, &s->name));
+    IGI_TRY(random_expand(ctx, &s->root));
     IGI_TRY(optional_int(ctx, &s->root, "bands", 1, IGI_MAX_BANDS, &bands));
     IGI_TRY(read_materials(ctx, s, bands));
     IGI_TRY(read_shapes(ctx, s));

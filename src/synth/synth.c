@@ -25,6 +25,7 @@ typedef struct maker {
     spec spec;
     igi_scene *scene;
     igi_tracer *tracer;
+    size_t *highlight; /* [regions] pixels that show one */
 } maker;
 
 /* The lights that are on, and what the progress calls the work. */
@@ -199,6 +200,9 @@ static igi_status take_pictures(maker *m, const char *folder, const view_set *vi
     igi_stage_begin(m->ctx, by->stage);
     IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed,
                                      pictures, NULL));
+    if (!folder[0])
+        IGI_TRY_GOTO(highlights_count(m->ctx, m->scene, m->tracer, m->spec.materials, cameras,
+                                      count, pictures, m->highlight));
     IGI_TRY_GOTO(raw_photos(m, folder) ? save_photos(m, &cameras[0], pictures, count)
                                        : save_pictures(m, folder, pictures, count));
 cleanup:
@@ -280,10 +284,12 @@ static igi_status make_scene(maker *m)
     IGI_TRY_GOTO(write_manifest(m));
     IGI_TRY_GOTO(make_maps(m));
     IGI_TRY_GOTO(igi_tracer_create(m->ctx, &scene->mesh, &m->tracer));
+    IGI_TRY_GOTO(IGI_ALLOC(m->ctx, scene->region_count, &m->highlight));
     lit_by by = {"photographs", scene->lights, scene->light_count};
     IGI_TRY_GOTO(make_views(m, "", &m->spec.views, &by, &cameras, &count));
     IGI_TRY_GOTO(path_in(m, "truth/truth.json", &path));
-    IGI_TRY_GOTO(truth_save(m->ctx, &m->spec, scene, m->tracer, cameras, count, path));
+    shown views = {cameras, count, m->highlight};
+    IGI_TRY_GOTO(truth_save(m->ctx, &m->spec, scene, m->tracer, &views, path));
     by.stage = "held-out views";
     if (m->spec.has_heldout)
         IGI_TRY_GOTO(make_views(m, "heldout/", &m->spec.heldout, &by, NULL, NULL));
@@ -305,6 +311,7 @@ cleanup:
     igi_stage_begin(ctx, NULL);
     igi_tracer_destroy(m.tracer);
     igi_scene_destroy(m.scene);
+    igi_free(m.highlight);
     spec_clear(&m.spec);
     return status;
 }

@@ -70,6 +70,9 @@ typedef struct spec {
 IGI_MUST_USE igi_status spec_load(igi_context *ctx, const char *path, spec *s);
 void spec_clear(spec *s);
 
+/* Makes "random", where there is one, into "materials", "shapes" and "lights". */
+IGI_MUST_USE igi_status random_expand(igi_context *ctx, const igi_json *root);
+
 /* Values that may be absent: then *value keeps its default. */
 IGI_MUST_USE igi_status optional_number(igi_context *ctx, const igi_json *object, const char *key,
                                         double low, double high, double *value);
@@ -101,10 +104,22 @@ bool view_sees(const igi_camera *camera, const igi_tracer *tracer, igi_vec point
 IGI_MUST_USE igi_status texture_make(igi_context *ctx, const texture *t, int bands,
                                      igi_image **image);
 
-/* truth.json; `cameras` tell how much of each region is seen. */
+/* Adds to pixels[regions] how many pixels of the photographs show a highlight of each region. */
+IGI_MUST_USE igi_status highlights_count(igi_context *ctx, const igi_scene *scene,
+                                         const igi_tracer *tracer, const igi_materials *materials,
+                                         const igi_camera *cameras, size_t camera_count,
+                                         igi_image *const *photos, size_t *pixels);
+
+/* What photographs show of the regions. */
+typedef struct shown {
+    const igi_camera *cameras;
+    size_t camera_count;
+    const size_t *highlight; /* [regions] pixels */
+} shown;
+
+/* truth.json */
 IGI_MUST_USE igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
-                                   const igi_tracer *tracer, const igi_camera *cameras,
-                                   size_t camera_count, const char *path);
+                                   const igi_tracer *tracer, const shown *by, const char *path);
 
 IGI_MUST_USE igi_status save_json(igi_context *ctx, const json_t *root, const char *path);
 

@@ -17,7 +17,7 @@ igi_status save_json(igi_context *ctx, const json_t *root, const char *path)
 
 /* The share of a region's area that one camera or more sees, from some thousand points. */
 static double seen_share(const igi_scene *scene, const igi_tracer *tracer, size_t region,
-                         const igi_camera *cameras, size_t camera_count)
+                         const shown *by)
 {
     enum { POINTS = 2000 };
     const igi_mesh *mesh = &scene->mesh;
@@ -35,8 +35,8 @@ static double seen_share(const igi_scene *scene, const igi_tracer *tracer, size_
             float root = sqrtf((float)a), v = (float)b;
             igi_vec p = igi_triangle_point(mesh, t, root * (1 - v), root * v);
             bool is_seen = false;
-            for (size_t i = 0; i < camera_count && !is_seen; i++)
-                is_seen = view_sees(&cameras[i], tracer, p);
+            for (size_t i = 0; i < by->camera_count && !is_seen; i++)
+                is_seen = view_sees(&by->cameras[i], tracer, p);
             seen += is_seen;
         }
     }
@@ -60,7 +60,7 @@ static const igi_material *material_named(const igi_materials *materials, const 
 
 /* "roughness" is glTF's, the square root of alpha, for ggx; elsewhere alpha itself. */
 static int add_region(json_t *regions, const igi_region *region, const igi_material *m, int bands,
-                      double seen)
+                      double seen, size_t highlight)
 {
     bool glossy = m->model != IGI_LAMBERT;
     json_t *o = json_object();
@@ -75,7 +75,10 @@ static int add_region(json_t *regions, const igi_region *region, const igi_mater
                                          : glossy            ? m->alpha
                                                              : 0));
     bad |= json_object_set_new(o, "model", json_string(igi_model_name(m->model)));
-    if (glossy) bad |= json_object_set_new(o, "alpha", json_real(m->alpha));
+    if (glossy) {
+        bad |= json_object_set_new(o, "alpha", json_real(m->alpha));
+        bad |= json_object_set_new(o, "highlight_pixels", json_integer((json_int_t)highlight));
+    }
     if (m->map && region->uvs_wrap) bad |= json_object_set_new(o, "uv_wrap", json_true());
     if (m->emitter) bad |= json_object_set_new(o, "emitter", json_true());
     bad |= json_object_set_new(o, "seen1", json_real(floor(seen * 1000 + .5) / 1000));
@@ -83,16 +86,15 @@ static int add_region(json_t *regions, const igi_region *region, const igi_mater
 }
 
 igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
-                      const igi_tracer *tracer, const igi_camera *cameras, size_t camera_count,
-                      const char *path)
+                      const igi_tracer *tracer, const shown *by, const char *path)
 {
     json_t *root = json_object(), *regions = json_object();
     int bad = json_object_set_new(root, "regions", regions);
     for (size_t i = 0; i < scene->region_count && !bad; i++) {
         const igi_region *region = &scene->regions[i];
         const igi_material *m = material_named(s->materials, region->name);
-        double seen = seen_share(scene, tracer, i, cameras, camera_count);
-        bad = !m || add_region(regions, region, m, scene->bands, seen);
+        double seen = seen_share(scene, tracer, i, by);
+        bad = !m || add_region(regions, region, m, scene->bands, seen, by->highlight[i]);
     }
     bad |= json_object_set(root, "lights", s->lights.value);
     igi_status status = bad ? igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path)
