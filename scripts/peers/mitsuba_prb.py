@@ -37,7 +37,7 @@ def define_ward(mi, dr):
     class Ward(mi.BSDF):
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            self.albedo = props["albedo"]
+            self.albedo = props.get_texture("albedo")
             self.specular = mi.Float(props["specular"])
             self.alpha = mi.Float(props["alpha"])
             flags = (mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.GlossyReflection
@@ -230,7 +230,8 @@ def parameter_keys(params, truth, names):
 
 
 def gradient_function(mi, dr, options, params):
-    """Gradient of the loss; recorded once and replayed, which halves a step's time."""
+    """Gradient of the loss; recorded once and replayed where Dr.Jit can (not with a BRDF written in
+    Python), which halves a step's time."""
     integrator = mi.load_dict({"type": "prb", "max_depth": options.depth, "rr_depth": 4})
 
     @dr.freeze
@@ -252,15 +253,18 @@ def gradient_function(mi, dr, options, params):
 
 def optimise(mi, dr, options, scene, groups, params, keys, judge, write):
     adam = mi.ad.Adam(lr=options.rate)
-    ranges = {}
+    ranges, pace = {}, {}
     for region in keys.values():
         for kind, key in region.items():
             adam[key] = params[key]
             ranges[key] = (.02, .6) if kind == "alpha" else (0, .995)
+            pace[key] = options.rate * (1 if kind == "albedo" else options.lobes)
+    dr.set_flag(dr.JitFlag.KernelFreezing, not any("alpha" in region for region in keys.values()))
     gradient = gradient_function(mi, dr, options, params)
     paths = 0
     for step in range(options.steps):
-        adam.set_learning_rate(options.rate * options.fall ** (step / max(1, options.steps - 1)))
+        fallen = options.fall ** (step / max(1, options.steps - 1))
+        adam.set_learning_rate({key: rate * fallen for key, rate in pace.items()})
         view, target, weight = groups[step % len(groups)]
         values = {key: type(adam[key])(dr.detach(adam[key])) for key in ranges}
         seeds = mi.UInt32(2 * step), mi.UInt32(2 * step + 1)
@@ -284,6 +288,7 @@ def arguments():
     parser.add_argument("--steps", type=int, default=300)
     parser.add_argument("--rate", type=float, default=.08, help="Adam's, at the beginning")
     parser.add_argument("--fall", type=float, default=.05, help="and at the end, as a share of it")
+    parser.add_argument("--lobes", type=float, default=.2, help="rate of rho_s and alpha, a share")
     parser.add_argument("--spp", type=int, default=4)
     parser.add_argument("--views", type=int, default=8, help="a step")
     parser.add_argument("--reduce", type=int, default=8, help="pixels of a photograph along one")
