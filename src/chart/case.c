@@ -18,6 +18,18 @@ static bool go_on(void *user, const char *stage, double fraction)
     return igi_progress(user, 0) == IGI_OK;
 }
 
+igi_status chart_own_context(igi_context *ctx, uint64_t seed, igi_context **own)
+{
+    igi_context_options o;
+    igi_context_options_init(&o);
+    o.threads = 1;
+    o.seed = seed;
+    o.progress = go_on;
+    o.user = ctx;
+    if (igi_context_create(&o, own) == IGI_OK) return IGI_OK;
+    return igi_fail(ctx, IGI_E_SYSTEM, "no memory for a context");
+}
+
 static void judge(chart_case *c, double got, double want, double std)
 {
     if (!(std > 0) || isinf(std)) return;
@@ -60,37 +72,42 @@ static void add_costs(const igi_context *ctx, chart_case *c)
     }
 }
 
-igi_status chart_case_run(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,
-                          const igi_recover_options *options, uint64_t seed, chart_case *c)
+igi_status chart_case_recover(igi_context *ctx, const igi_scene *scene,
+                              const igi_recover_options *options, uint64_t seed, chart_case *c)
 {
     igi_status status = IGI_OK;
     igi_recovery *recovery = NULL;
     igi_context *own = NULL;
-    igi_context_options o;
-    igi_context_options_init(&o);
-    o.threads = 1;
-    o.seed = seed;
-    o.progress = go_on;
-    o.user = ctx;
     *c = (chart_case){.status = IGI_OK};
-    if (igi_context_create(&o, &own) != IGI_OK)
-        return igi_fail(ctx, IGI_E_SYSTEM, "no memory for a context");
+    IGI_TRY(chart_own_context(ctx, seed, &own));
     c->status = igi_recover(own, scene, options, &recovery);
     add_costs(own, c);
     snprintf(c->message, sizeof c->message, "%s",
              c->status == IGI_OK ? "" : igi_context_message(own));
     bool refused = c->status == IGI_E_DATA || c->status == IGI_E_NO_ANSWER;
-    if (c->status != IGI_OK) {
-        if (!refused) status = igi_fail(ctx, c->status, "%s", c->message);
-        goto cleanup;
+    if (c->status != IGI_OK && !refused) status = igi_fail(ctx, c->status, "%s", c->message);
+    if (recovery) {
+        c->materials = recovery->materials;
+        recovery->materials = NULL;
     }
-    c->materials = recovery->materials;
-    recovery->materials = NULL;
-    IGI_TRY_GOTO(igi_validate_materials(ctx, c->materials, truth, &c->validation));
-    judge_intervals(truth, c);
-cleanup:
     igi_recovery_destroy(recovery);
     igi_context_destroy(own);
+    return status;
+}
+
+igi_status chart_case_judge(igi_context *ctx, const igi_materials *truth, chart_case *c)
+{
+    if (!c->materials) return IGI_OK;
+    IGI_TRY(igi_validate_materials(ctx, c->materials, truth, &c->validation));
+    judge_intervals(truth, c);
+    return IGI_OK;
+}
+
+igi_status chart_case_run(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,
+                          const igi_recover_options *options, uint64_t seed, chart_case *c)
+{
+    IGI_TRY(chart_case_recover(ctx, scene, options, seed, c));
+    igi_status status = chart_case_judge(ctx, truth, c);
     if (status != IGI_OK) chart_case_clear(c);
     return status;
 }

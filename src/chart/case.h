@@ -21,8 +21,18 @@ typedef struct chart_case {
     uint64_t rays, peak_bytes;  /* peak: of the process so far */
 } chart_case;
 
+/* A context of one thread for a part of the work; it hears when the user wants `ctx` to stop. */
+IGI_MUST_USE igi_status chart_own_context(igi_context *ctx, uint64_t seed, igi_context **own);
+
 /* Recovers with a context of its own (one thread, its own streams by `seed`), so that many cases
- * can run at once. Fails only when comparing fails, memory ends, or the user interrupts. */
+ * can run at once. Fails only when memory ends or the user interrupts. */
+IGI_MUST_USE igi_status chart_case_recover(igi_context *ctx, const igi_scene *scene,
+                                           const igi_recover_options *options, uint64_t seed,
+                                           chart_case *result);
+/* Compares what was found with truth; nothing to do where the scene was refused. */
+IGI_MUST_USE igi_status chart_case_judge(igi_context *ctx, const igi_materials *truth,
+                                         chart_case *c);
+/* Both. */
 IGI_MUST_USE igi_status chart_case_run(igi_context *ctx, const igi_scene *scene,
                                        const igi_materials *truth,
                                        const igi_recover_options *options, uint64_t seed,

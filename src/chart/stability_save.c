@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The stability chart on disk: two tables, and small multiples, one a sweep.
+ */
+#include "chart/plot.h"
+#include "chart/trial.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COLUMNS 6 /* of the small multiples */
+
+static igi_status open_table(igi_context *ctx, const char *folder, const char *name, FILE **file,
+                             char **path)
+{
+    IGI_TRY(igi_strprintf(ctx, path, "%s/%s", folder, name));
+    *file = fopen(*path, "wb");
+    if (*file) return IGI_OK;
+    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
+                    *path, strerror(errno));
+}
+
+static igi_status close_table(igi_context *ctx, FILE *file, char *path)
+{
+    bool bad = file && ferror(file);
+    if (file && fclose(file) != 0) bad = true;
+    igi_status status = bad ? igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written", path) : IGI_OK;
+    igi_free(path);
+    return status;
+}
+
+static void put_number(FILE *file, double x)
+{
+    if (isfinite(x)) fprintf(file, ",%.6g", x);
+    else fputs(",", file);
+}
+
+static void put_text(FILE *file, const char *text)
+{
+    fputs(",\"", file);
+    for (; *text; text++) {
+        if (*text == '"') fputc('"', file);
+        fputc(*text == '\n' ? ' ' : *text, file);
+    }
+    fputc('"', file);
+}
+
+/* The spec's or folder's name. */
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
+static void put_trial(FILE *file, const chart_trial *t)
+{
+    const char *sign = chart_trial_sign(t);
+    fprintf(file, "%s,%.6g", t->sweep ? t->sweep->name : "unperturbed",
+            t->sweep ? t->sweep->severities[t->point] : 0);
+    put_text(file, base_name(t->base));
+    fprintf(file, ",%llu,%d", (unsigned long long)t->seed, (int)t->status);
+    put_number(file, t->albedo);
+    put_number(file, t->albedo_median);
+    put_number(file, t->albedo_max);
+    put_number(file, t->specular);
+    put_number(file, t->alpha);
+    put_number(file, t->relit);
+    fprintf(file, ",%d,%d,%zu,%zu,%.4g,%d,%d", t->models_right, t->models, t->covered, t->intervals,
+            t->worst_sigmas, sign != NULL, chart_trial_is_silent(t));
+    put_text(file, sign ? sign : "");
+    fputc('\n', file);
+}
+
+igi_status chart_trials_save(igi_context *ctx, chart_trial *const *trials, size_t count,
+                             const char *folder)
+{
+    FILE *file = NULL;
+    char *path = NULL;
+    igi_status status = open_table(ctx, folder, "cases.csv", &file, &path);
+    if (status == IGI_OK) {
+        fputs("sweep,severity,room,seed,status,albedo_mean,albedo_median,albedo_max,rho_s,alpha,"
+              "relit,models_right,models,covered,intervals,worst_sigmas,flagged,silent,sign\n",
+              file);
+        for (size_t i = 0; i < count; i++)
+            if (!trials[i]->skipped) put_trial(file, trials[i]);
+    }
+    igi_status closed = close_table(ctx, file, path);
+    return status != IGI_OK ? status : closed;
+}
+
+static void put_point(FILE *file, const igi_sweep_result *r, size_t point)
+{
+    const igi_sweep_point *p = &r->points[point];
+    fprintf(file, "%s", r->name);
+    put_text(file, r->unit);
+    fprintf(file, ",%.6g,%zu,%zu,%zu,%zu,%zu", p->severity, point, p->cases, p->refused, p->flagged,
+            p->silent);
+    put_number(file, p->albedo);
+    put_number(file, p->albedo_max);
+    put_number(file, p->specular);
+    put_number(file, p->alpha);
+    put_number(file, p->relit);
+    put_number(file, p->covered);
+    fprintf(file, ",%d\n", point >= r->breakdown);
+}
+
+static igi_status save_table(igi_context *ctx, const igi_stability *all, const char *folder)
+{
+    FILE *file = NULL;
+    char *path = NULL;
+    igi_status status = open_table(ctx, folder, "stability.csv", &file, &path);
+    if (status == IGI_OK) {
+        fputs(
+            "sweep,unit,severity,place,cases,refused,flagged,silent,albedo,albedo_max,rho_s,alpha,"
+            "relit,covered,broken_down\n",
+            file);
+        for (size_t i = 0; i < all->sweep_count; i++)
+            for (size_t k = 0; k < all->sweeps[i].point_count; k++)
+                put_point(file, &all->sweeps[i], k);
+    }
+    igi_status closed = close_table(ctx, file, path);
+    return status != IGI_OK ? status : closed;
+}
+
+/* One curve of the table, in per cent of error; nothing where there is none. */
+static void put_curve(FILE *script, const char *name, int column, const char *style)
+{
+    fputs(", \\\n  'stability.csv' using (strcol(1) eq ", script);
+    chart_plot_text(script, name);
+    fprintf(script, " ? $4 : 1/0):(100*$%d) with linespoints %s", column, style);
+}
+
+/* Marks along the lower edge, where the expression over the table's columns is not 0. */
+static void put_marks(FILE *script, const char *name, const char *where, const char *style)
+{
+    fputs("'stability.csv' using (strcol(1) eq ", script);
+    chart_plot_text(script, name);
+    fprintf(script, " && %s ? $4 : 1/0):(.014) with points %s", where, style);
+}
+
+static void put_panel(FILE *script, const igi_sweep_result *r)
+{
+    char label[256];
+    snprintf(label, sizeof label, "%s%s%s", r->label, r->unit[0] ? ", " : "", r->unit);
+    fputs("set title ", script);
+    chart_plot_text(script, r->name);
+    fputs(" font ',11'\nset xlabel ", script);
+    chart_plot_text(script, label);
+    fprintf(script, " font ',9'\nset xrange [-.5:%zu-.5]\nset xtics (", r->point_count);
+    for (size_t k = 0; k < r->point_count; k++)
+        fprintf(script, "%s'%.4g' %zu", k ? ", " : "", r->points[k].severity, k);
+    fputs(") font ',8'\nunset arrow\n", script);
+    if (r->breakdown < r->point_count)
+        fprintf(script, "set arrow from %zu-.5,.01 to %zu-.5,200 nohead dt 3 lc rgb '#999999'\n",
+                r->breakdown, r->breakdown);
+    fputs("plot ", script);
+    put_marks(script, r->name, "2*$7 >= $5", "pt 5 ps .9 lc rgb '#009e73'");
+    fputs(", \\\n  ", script);
+    put_marks(script, r->name, "$8 > 0", "pt 4 ps 1.3 lw 1.5 lc rgb '#d55e00'");
+    put_curve(script, r->name, 13, "lt 4 pt 7 ps .4");
+    put_curve(script, r->name, 12, "lt 3 pt 7 ps .4");
+    put_curve(script, r->name, 11, "lt 2 pt 7 ps .4");
+    put_curve(script, r->name, 9, "lt 1 pt 7 ps .6");
+    fputs("\n", script);
+}
+
+static void put_key(FILE *script)
+{
+    fputs("set title 'what the lines are'\nunset xlabel\nset xtics (' ' 0)\nunset arrow\n"
+          "set key at graph .95,.95 font ',9'\n"
+          "plot 1/0 with linespoints lt 1 pt 7 title 'albedo, % error', \\\n"
+          "  1/0 with linespoints lt 2 pt 7 title 'rho_s', \\\n"
+          "  1/0 with linespoints lt 3 pt 7 title 'alpha', \\\n"
+          "  1/0 with linespoints lt 4 pt 7 title 'relit picture', \\\n"
+          "  1/0 with points pt 5 lc rgb '#009e73' title 'igi mostly says so', \\\n"
+          "  1/0 with points pt 4 lc rgb '#d55e00' title 'silent failure', \\\n"
+          "  1/0 with lines dt 3 lc rgb '#999999' title 'breaks down'\n",
+          script);
+}
+
+static void put_script(FILE *script, const igi_stability *all)
+{
+    int rows = (int)(all->sweep_count + COLUMNS) / COLUMNS;
+    fprintf(script,
+            "set multiplot layout %d,%d\nset key noenhanced\nunset key\nset logscale y\n"
+            "set yrange [.01:200]\nset ytics ('.01' .01, '.1' .1, '1' 1, '10' 10, '100' 100) "
+            "font ',8'\n",
+            rows, COLUMNS);
+    for (size_t i = 0; i < all->sweep_count; i++) put_panel(script, &all->sweeps[i]);
+    put_key(script);
+    fputs("unset multiplot\n", script);
+}
+
+static igi_status draw(igi_context *ctx, const igi_stability *all, const char *folder)
+{
+    FILE *script = NULL;
+    int rows = (int)(all->sweep_count + COLUMNS) / COLUMNS;
+    IGI_TRY(chart_plot_begin(ctx, folder, "stability", 300 * COLUMNS, 230 * rows, &script));
+    put_script(script, all);
+    return chart_plot_end(ctx, folder, "stability", script);
+}
+
+igi_status chart_stability_save(igi_context *ctx, const igi_stability *all, const char *folder)
+{
+    IGI_TRY(save_table(ctx, all, folder));
+    return draw(ctx, all, folder);
+}
