@@ -12,8 +12,7 @@
  */
 #include "light/lighting.h"
 
-#define MANY_EMITTERS 1024 /* from here on the closed form of each costs more than it gives */
-#define FEW_EMITTERS 8     /* up to here each gets its closed form at any distance */
+#define FEW_EMITTERS 8 /* up to here each gets its closed form at any distance */
 /* A small triangle is its area at its centre: off by about .3 area/distance^2. */
 #define FAR_AREAS 1000
 
@@ -94,9 +93,8 @@ static float kernel(igi_vec p, igi_vec light_normal, igi_vec point, igi_vec norm
     return at_point * at_light / (squared * squared);
 }
 
-/* Irradiance by each of the emitters; returns the sum. */
-static float weigh(const emitter *emitters, size_t count, igi_vec point, igi_vec normal,
-                   float *weights)
+float igi_emitters_weigh(const emitter *emitters, size_t count, igi_vec point, igi_vec normal,
+                         float *weights)
 {
     float sum = 0;
     for (size_t i = 0; i < count; i++) {
@@ -193,7 +191,7 @@ static float area_irradiance(const igi_lighting *l, size_t light, const igi_trac
         return area_by_samples(l, light, tracer, point, normal, rays, key);
     float weights[MANY_EMITTERS];
     const emitter *emitters = l->emitters + s->first;
-    float sum = weigh(emitters, s->count, point, normal, weights);
+    float sum = igi_emitters_weigh(emitters, s->count, point, normal, weights);
     if (!(sum > 0)) return 0;
     if (!tracer) return sum;
     return seen_irradiance(emitters, weights, sum, tracer, point, normal, rays, key);

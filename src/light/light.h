@@ -45,6 +45,12 @@ size_t igi_light_sample_set(const igi_lighting *lighting, size_t light, igi_vec 
 float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, igi_vec direction,
                     const igi_hit *hit);
 
+/* A sample of one light in proportion to what it gives to a surface at `point` facing `normal`; its
+ * weight is 0 when it carries nothing. Returns the irradiance for a value of 1, as if nothing were
+ * in between (of an env light: an estimate). */
+float igi_light_sample_facing(const igi_lighting *lighting, size_t light, igi_vec point,
+                              igi_vec normal, float u, float v, igi_light_sample *sample);
+
 /* Index of the light that the triangle belongs to, or -1. */
 int igi_lighting_of_triangle(const igi_lighting *lighting, uint32_t triangle);
 /* What a ray meets: radiance per band of an area light's front at `hit`, or of the sky when the ray

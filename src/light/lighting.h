@@ -37,6 +37,14 @@ struct igi_lighting {
     int *light_of_region; /* -1: dark */
 };
 
+/* From here on the closed form of each triangle of a light costs more than it gives. */
+#define MANY_EMITTERS 1024
+
+/* Irradiance by each of the emitters, were nothing in between, for a radiance of 1; returns the
+ * sum. */
+float igi_emitters_weigh(const emitter *emitters, size_t count, igi_vec point, igi_vec normal,
+                         float *weights);
+
 /* Intensity of a spot toward `direction`, for 1 within its beam. */
 float igi_spot_factor(const source *s, igi_vec direction);
 

@@ -115,11 +115,9 @@ static void light_row(const job *j, size_t row, size_t l, igi_rng rng)
         igi_light_sample s;
         float u, v;
         place p = origin(j, side, k, points, &rng);
-        float closed = igi_light_irradiance(j->lighting, NULL, l, p.point, p.normal, 1, 0);
-        if (closed <= 0) continue;
-        open += closed;
         sequence_point(first + (uint32_t)k, shift, &u, &v);
-        if (!igi_light_sample_toward(j->lighting, l, p.point, u, v, &s)) continue;
+        open += igi_light_sample_facing(j->lighting, l, p.point, p.normal, u, v, &s);
+        if (!(s.weight > 0)) continue;
         float carried = igi_dot(s.direction, p.normal) * s.weight;
         if (carried <= 0) continue;
         sent += carried;

@@ -158,6 +158,32 @@ static lit other_room(igi_light light, bool open)
     return light_up(r);
 }
 
+/* Samples by what they give: right on average from anywhere, and nearly all of one weight. */
+static void facing_samples(void)
+{
+    enum { SIDE = 64 };
+    static const float heights[] = {0, 0.5f, 0.9f, 0.99f};
+    for (int k = 0; k < 16; k++) {
+        room *r = k < 8 ? square_room() : bulb_room();
+        lit l = light_up(r);
+        igi_vec point = igi_v(k % 2 ? 0.01f : 1.5f, 0.4f, k < 8 ? heights[k / 2] : 0.0f);
+        igi_vec normal = igi_normalize(igi_v(k % 2 ? 1 : -1, 0.2f, k % 4 < 2 ? 0.0f : 1.0f));
+        double open = 0, sum = 0, squares = 0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            igi_light_sample s;
+            float u = ((float)(i / SIDE) + 0.5f) / SIDE, v = ((float)(i % SIDE) + 0.5f) / SIDE;
+            open = (double)igi_light_sample_facing(l.lighting, 0, point, normal, u, v, &s);
+            double carried = (double)(s.weight * fmaxf(0.0f, igi_dot(s.direction, normal)));
+            sum += carried / (SIDE * SIDE);
+            squares += carried * carried / (SIDE * SIDE);
+        }
+        CHECK_NEAR(open, irradiance(&l, point, normal, 1, 0), 1e-6);
+        CHECK_NEAR(sum, open, 0.01 * open + 1e-6);
+        CHECK(squares < 4 * sum * sum);
+        put_out(&l);
+    }
+}
+
 static void small_lights(void)
 {
     igi_light point = {.type = IGI_LIGHT_POINT, .region = -1, .position = {0, 0, 2}, .value = {1}};
@@ -364,5 +390,6 @@ static void refusals(void)
 }
 
 TEST_MAIN({"square", square}, {"bulb", bulb}, {"shadow", shadow}, {"samples", samples},
-          {"small lights", small_lights}, {"line", line}, {"ambient", ambient},
-          {"environment", environment}, {"goniometric", goniometric}, {"refusals", refusals})
+          {"facing samples", facing_samples}, {"small lights", small_lights}, {"line", line},
+          {"ambient", ambient}, {"environment", environment}, {"goniometric", goniometric},
+          {"refusals", refusals})
