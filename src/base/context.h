@@ -45,6 +45,10 @@ IGI_MUST_USE igi_status igi_strdup(igi_context *ctx, const char *text, char **co
 IGI_MUST_USE igi_status igi_strprintf(igi_context *ctx, char **text, const char *format, ...)
     IGI_PRINTF(3, 4);
 
+/* Adds a sentence to a list of them, which owns it from then on; frees it when there is no room. */
+IGI_MUST_USE igi_status igi_add_sentence(igi_context *ctx, char ***list, size_t *count,
+                                         char *sentence);
+
 /* For tests: the n-th allocation from now on fails (0: the next); -1: none does. */
 void igi_fail_allocation_after(igi_context *ctx, long n);
 

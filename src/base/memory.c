@@ -74,6 +74,19 @@ igi_status igi_strprintf(igi_context *ctx, char **text, const char *format, ...)
     return IGI_OK;
 }
 
+igi_status igi_add_sentence(igi_context *ctx, char ***list, size_t *count, char *sentence)
+{
+    size_t capacity = *count;
+    char **grown = igi_grow(ctx, *list, &capacity, *count + 1, sizeof *grown);
+    if (!grown) {
+        igi_free(sentence);
+        return IGI_E_SYSTEM;
+    }
+    *list = grown;
+    grown[(*count)++] = sentence;
+    return IGI_OK;
+}
+
 void igi_free(void *pointer)
 {
     free(pointer);

@@ -39,6 +39,7 @@ typedef struct job {
     const igi_tracer *tracer;
     uint32_t keep_below; /* of a 32-bit hash; UINT32_MAX: all */
     frame_pixels *frames;
+    igi_registration *registrations;
 } job;
 
 static float mean_of_finite(const igi_image *image, int bands)
@@ -183,6 +184,8 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     IGI_TRY_GOTO(allocate_frame(ctx, &j->frames[frame], pixels, j->scene->bands));
     collect(j, frame, image, &visible);
     IGI_TRY_GOTO(check_pixels(ctx, j->scene, frame, &j->frames[frame], &visible));
+    IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, image, &visible, 1 / meta->camera.fl_x,
+                                          &j->registrations[frame]));
 cleanup:
     igi_visible_clear(&visible);
     igi_image_destroy(image);
@@ -217,22 +220,23 @@ static igi_status join_all(igi_context *ctx, job *j, igi_observations *o)
 
 static igi_status collect_warnings(igi_context *ctx, const job *j, igi_observations *o)
 {
-    IGI_TRY(IGI_ALLOC(ctx, 2 * o->frame_count, &o->warnings));
     for (size_t i = 0; i < o->frame_count; i++) {
         const frame_pixels *f = &j->frames[i];
         if (f->warning) {
-            IGI_TRY(igi_strprintf(ctx, &o->warnings[o->warning_count], "image %s: %s",
-                                  j->scene->frames[i].name, f->warning));
-            o->warning_count++;
+            char *about;
+            IGI_TRY(
+                igi_strprintf(ctx, &about, "image %s: %s", j->scene->frames[i].name, f->warning));
+            IGI_TRY(igi_add_sentence(ctx, &o->warnings, &o->warning_count, about));
         }
         if (f->broken == 0) continue;
         uint32_t width = (uint32_t)j->scene->frames[i].camera.width;
+        char *sentence;
         IGI_TRY(igi_strprintf(
-            ctx, &o->warnings[o->warning_count],
+            ctx, &sentence,
             "image %s: %zu pixels are negative, infinite or not a number and were "
             "left out (first at column %u, row %u)",
             j->scene->frames[i].name, f->broken, f->first_broken % width, f->first_broken / width));
-        o->warning_count++;
+        IGI_TRY(igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence));
     }
     return IGI_OK;
 }
@@ -258,6 +262,8 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &o));
     o->bands = scene->bands;
     o->frame_count = scene->frame_count;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->registrations));
+    j.registrations = o->registrations;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
@@ -306,6 +312,7 @@ void igi_observations_destroy(igi_observations *observations)
     if (!observations) return;
     for (size_t i = 0; i < observations->warning_count; i++) igi_free(observations->warnings[i]);
     igi_free(observations->warnings);
+    igi_free(observations->registrations);
     igi_free(observations->frame_begin);
     igi_free(observations->surface);
     igi_free(observations->uv);

@@ -5,7 +5,7 @@
 #ifndef IGI_SRC_OBSERVE_OBSERVATIONS_H
 #define IGI_SRC_OBSERVE_OBSERVATIONS_H
 
-#include "trace/trace.h"
+#include "observe/edges.h"
 
 /* One side of one triangle, in one number. */
 static inline uint32_t igi_surface_of(const igi_hit *hit)
@@ -26,11 +26,12 @@ typedef struct igi_observations {
     int bands;
     size_t count;
     size_t frame_count;
-    size_t *frame_begin; /* [frame_count + 1] */
-    uint32_t *surface;   /* [count] */
-    float *uv;           /* [count][2] barycentric */
-    uint32_t *pixel;     /* [count] row * width + column in its frame */
-    float *radiance;     /* [count][bands], W m^-2 sr^-1 */
+    size_t *frame_begin;             /* [frame_count + 1] */
+    uint32_t *surface;               /* [count] */
+    float *uv;                       /* [count][2] barycentric */
+    uint32_t *pixel;                 /* [count] row * width + column in its frame */
+    float *radiance;                 /* [count][bands], W m^-2 sr^-1 */
+    igi_registration *registrations; /* [frame_count] */
     size_t warning_count;
     char **warnings;
 } igi_observations;

@@ -4,6 +4,7 @@
  */
 #include "maps/compare.h"
 #include "diffuse/methods.h"
+#include "observe/faults.h"
 #include "specular/specular.h"
 #include "specular/yu99.h"
 
@@ -82,19 +83,6 @@ static igi_status measure_coverage(igi_context *ctx, const igi_problem *p, igi_m
     return IGI_OK;
 }
 
-static igi_status add_warning(igi_context *ctx, char ***warnings, size_t *count, char *sentence)
-{
-    size_t capacity = *count;
-    char **grown = igi_grow(ctx, *warnings, &capacity, *count + 1, sizeof *grown);
-    if (!grown) {
-        igi_free(sentence);
-        return IGI_E_SYSTEM;
-    }
-    *warnings = grown;
-    grown[(*count)++] = sentence;
-    return IGI_OK;
-}
-
 static igi_status make_material(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
                                 size_t region, igi_material *m)
 {
@@ -113,7 +101,7 @@ static igi_status make_material(igi_context *ctx, const igi_problem *p, const ig
         igi_strprintf(ctx, &sentence,
                       "no photograph determines it: the albedo is a guess from the other regions; "
                       "add a photograph that shows it"));
-    return add_warning(ctx, &m->warnings, &m->warning_count, sentence);
+    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
 static void set_lobe(const igi_lobe_estimate *e, int bands, igi_material *m)
@@ -154,7 +142,7 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
     for (size_t i = 0; i < p->observations->warning_count; i++) {
         char *sentence;
         IGI_TRY_GOTO(igi_strdup(ctx, p->observations->warnings[i], &sentence));
-        IGI_TRY_GOTO(add_warning(ctx, &m->warnings, &m->warning_count, sentence));
+        IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
     }
     *materials = m;
     m = NULL;
@@ -202,6 +190,8 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
+    igi_stage_begin(ctx, "agreement");
+    IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, observations));
     igi_stage_begin(ctx, "patches");
     float size = o.patch_m > 0 ? (float)o.patch_m
                                : PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);

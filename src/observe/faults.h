@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Photographs that something is wrong with: found, named, and kept from doing harm.
+ */
+#ifndef IGI_SRC_OBSERVE_FAULTS_H
+#define IGI_SRC_OBSERVE_FAULTS_H
+
+#include "observe/agreement.h"
+
+typedef struct igi_frame_fault {
+    bool contradicts; /* it shows something else, or part of it does: to be left out */
+    double scale;     /* what its radiance is to be multiplied by; 1 where the gain is no fault */
+    bool off;         /* its edges clearly lie off the mesh's */
+} igi_frame_fault;
+
+typedef struct igi_faults {
+    size_t frame_count;
+    igi_frame_fault *frames;
+    size_t contradicting;
+    bool divided;       /* so many contradict that nobody knows who is right: none is left out */
+    double gain_spread; /* robust standard deviation of ln gain, */
+    bool drifts;        /* and whether it is a fault of all */
+    double offset_px;   /* typical distance of a photograph's edges from the mesh's, */
+    bool all_off;       /* and whether it is a fault of all */
+} igi_faults;
+
+IGI_MUST_USE igi_status igi_faults_find(igi_context *ctx, const igi_observations *observations,
+                                        const igi_agreement *agreement, igi_faults **faults);
+void igi_faults_destroy(igi_faults *faults);
+
+/* Leaves out and scales what the faults ask for, and adds a warning for each. */
+IGI_MUST_USE igi_status igi_observations_mend(igi_context *ctx, const igi_scene *scene,
+                                              const igi_agreement *agreement,
+                                              const igi_faults *faults,
+                                              igi_observations *observations);
+
+/* The three together: what recovery does. */
+IGI_MUST_USE igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,
+                                                   igi_observations *observations);
+
+#endif
