@@ -23,6 +23,8 @@ typedef struct igi_chart_options {
     const char *cache;         /* where rendered scenes are kept; NULL: nowhere */
     int seeds;                 /* stability: how many; 0: as the sweeps say */
     bool small;                /* the edition of the tests: less of everything */
+    const char *peer;          /* speed: curves of other programs, CSV; NULL: none */
+    bool relit;                /* speed: relight each result, too; needs relit/lights.json */
 } igi_chart_options;
 
 IGI_API void igi_chart_options_init(igi_chart_options *options);
@@ -60,7 +62,10 @@ IGI_API IGI_MUST_USE igi_status igi_chart_stability(igi_context *context,
 IGI_API void igi_stability_destroy(igi_stability *stability);
 
 /* Every method with a ladder of budgets on each scene: errors against CPU seconds, rays and memory.
- * Writes speed.csv, speed.svg and speed.png into the existing folder. */
+ * Writes into the existing folder speed.csv, .gp (for gnuplot), .svg and .png; parsimony.* likewise,
+ * error against the number of a result's parameters. All but the columns cpu_s, ratio, peak_mb and
+ * front is the same for the same input and seed. Where gnuplot is missing nothing is drawn, with a
+ * warning. */
 IGI_API IGI_MUST_USE igi_status igi_chart_speed(igi_context *context,
                                                 const igi_chart_options *options,
                                                 const char *folder);

@@ -257,8 +257,10 @@ def optimise(mi, dr, options, scene, groups, params, keys, judge, write):
     for region in keys.values():
         for kind, key in region.items():
             adam[key] = params[key]
-            ranges[key] = (.02, .6) if kind == "alpha" else (0, .995)
-            pace[key] = options.rate * (1 if kind == "albedo" else options.lobes)
+            ranges[key] = (.02, .6) if kind == "alpha" else (.001, .995)
+            share = options.lobes if kind != "albedo" else options.texture if np.array(
+                params[key]).ndim == 3 else 1
+            pace[key] = options.rate * share
     dr.set_flag(dr.JitFlag.KernelFreezing, not any("alpha" in region for region in keys.values()))
     gradient = gradient_function(mi, dr, options, params)
     paths = 0
@@ -270,8 +272,8 @@ def optimise(mi, dr, options, scene, groups, params, keys, judge, write):
         seeds = mi.UInt32(2 * step), mi.UInt32(2 * step + 1)
         slopes = gradient(scene, values, view, target, weight, seeds)
         judge.touch(slopes)
-        for key in ranges:
-            dr.set_grad(adam[key], slopes[key])
+        for key in ranges:  # a path along the horizon may overflow
+            dr.set_grad(adam[key], dr.select(dr.isfinite(slopes[key]), slopes[key], 0))
         adam.step()
         for key, (low, high) in ranges.items():
             adam[key] = dr.clip(adam[key], low, high)
@@ -289,6 +291,7 @@ def arguments():
     parser.add_argument("--rate", type=float, default=.08, help="Adam's, at the beginning")
     parser.add_argument("--fall", type=float, default=.05, help="and at the end, as a share of it")
     parser.add_argument("--lobes", type=float, default=.2, help="rate of rho_s and alpha, a share")
+    parser.add_argument("--texture", type=float, default=.25, help="rate of texels, a share")
     parser.add_argument("--spp", type=int, default=4)
     parser.add_argument("--views", type=int, default=8, help="a step")
     parser.add_argument("--reduce", type=int, default=8, help="pixels of a photograph along one")
@@ -337,9 +340,11 @@ def main():
     judge = Judge(options.scene, truth, keys)
     with open(options.output, "w", encoding="utf-8", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(["step", "cpu_s", "paths", "albedo_mean", "albedo_max", "specular", "alpha",
-                      "texels"])
-        optimise(mi, dr, options, scene, groups, params, keys, judge, out.writerow)
+        out.writerow(["peer", "run", "scene", "step", "cpu_s", "paths", "albedo_mean", "albedo_max",
+                      "specular", "alpha", "texels"])
+        run = f"{options.spp} spp x {options.steps}"
+        optimise(mi, dr, options, scene, groups, params, keys, judge,
+                 lambda row: out.writerow(["Mitsuba 3 prb", run, manifest["name"]] + row))
     return 0
 
 

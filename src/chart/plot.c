@@ -51,15 +51,25 @@ igi_status chart_plot_begin(igi_context *ctx, const char *folder, const char *na
     return IGI_OK;
 }
 
-void chart_plot_text(FILE *script, const char *text)
+static void quote(FILE *script, const char *text, const char *mark_up)
 {
     fputc('\'', script);
     for (; *text; text++) {
-        if (strchr("_^{}@&~", *text)) fputc('\\', script);
+        if (strchr(mark_up, *text)) fputc('\\', script);
         if (*text == '\'') fputc('\'', script);
         fputc((unsigned char)*text >= ' ' ? *text : ' ', script);
     }
     fputc('\'', script);
+}
+
+void chart_plot_quoted(FILE *script, const char *text)
+{
+    quote(script, text, "");
+}
+
+void chart_plot_text(FILE *script, const char *text)
+{
+    quote(script, text, "_^{}@&~");
 }
 
 /* A child with its words in the file `words`; *started is false where there is no such program. */

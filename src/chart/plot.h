@@ -20,7 +20,9 @@ IGI_MUST_USE igi_status chart_plot_begin(igi_context *ctx, const char *folder, c
 IGI_MUST_USE igi_status chart_plot_end(igi_context *ctx, const char *folder, const char *name,
                                        FILE *script);
 
-/* Text between single quotes as gnuplot reads it, without its mark-up for _ ^ { } @ & ~. */
+/* A string in single quotes. */
+void chart_plot_quoted(FILE *script, const char *text);
+/* The same for a label or title, where _ ^ { } @ & ~ would be mark-up. */
 void chart_plot_text(FILE *script, const char *text);
 
 #endif

@@ -1,12 +1,242 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Speed against accuracy.
+ * Speed against accuracy: every method climbs a ladder of budgets on every scene. What is timed is
+ * the recovery, from the photographs' files to materials with maps, on one thread.
  */
-#include "chart/case.h"
+#include "chart/speed.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PATCH_SHARE 0.0105 /* of the scene's diagonal: what recovery takes by itself */
+#define RELIT_WIDTH 96     /* pixels: enough for a mean over a picture */
+#define RELIT_SAMPLES 64
+
+/* A rung: the side of a patch in multiples of the standard one, and rays; 0: the method's own. */
+typedef struct rung {
+    igi_method method;
+    double patch;
+    int rays;
+    bool small; /* part of the tests' edition */
+} rung;
+
+static const rung ladder[] = {
+    {IGI_METHOD_PATCHES, 6, 8, true},      {IGI_METHOD_PATCHES, 4, 16, false},
+    {IGI_METHOD_PATCHES, 2.5, 16, false},  {IGI_METHOD_PATCHES, 1.5, 32, true},
+    {IGI_METHOD_PATCHES, 1, 64, false},    {IGI_METHOD_PATCHES, 1, 256, false},
+    {IGI_METHOD_GATHER, 2, 4, false},      {IGI_METHOD_GATHER, 1, 16, false},
+    {IGI_METHOD_GATHER, 1, 64, false},     {IGI_METHOD_GATHER, 1, 256, false},
+    {IGI_METHOD_GATHER, 1, 1024, false},   {IGI_METHOD_RADIOSITY, 6, 0, false},
+    {IGI_METHOD_RADIOSITY, 4, 0, false},   {IGI_METHOD_RADIOSITY, 2.5, 0, false},
+    {IGI_METHOD_RADIOSITY, 1.5, 0, false}, {IGI_METHOD_RADIOSITY, 1, 0, false},
+    {IGI_METHOD_YU99, 6, 0, false},        {IGI_METHOD_YU99, 4, 0, false},
+    {IGI_METHOD_YU99, 2.5, 0, false},      {IGI_METHOD_YU99, 1.5, 0, false},
+    {IGI_METHOD_YU99, 1, 0, false},        {IGI_METHOD_DIRECT, 6, 0, true},
+    {IGI_METHOD_DIRECT, 2.5, 0, false},    {IGI_METHOD_DIRECT, 1, 0, true},
+    {IGI_METHOD_DIRECT, .7, 0, false}};
+
+/* A scene of the chart. */
+typedef struct subject {
+    igi_scene *scene;
+    igi_materials *truth;
+    double patch_m;    /* the standard one */
+    igi_light *lights; /* novel ones, to relight with; NULL: none are known */
+    size_t light_count;
+} subject;
+
+static void clear_subject(subject *s)
+{
+    igi_lights_destroy(s->lights, s->light_count);
+    igi_materials_destroy(s->truth);
+    igi_scene_destroy(s->scene);
+    *s = (subject){0};
+}
+
+static double diagonal(const igi_mesh *mesh)
+{
+    igi_vec low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        const float *p = mesh->positions + 3 * v;
+        low = (igi_vec){fminf(low.x, p[0]), fminf(low.y, p[1]), fminf(low.z, p[2])};
+        high = (igi_vec){fmaxf(high.x, p[0]), fmaxf(high.y, p[1]), fmaxf(high.z, p[2])};
+    }
+    return (double)igi_length(igi_sub(high, low));
+}
+
+static igi_status load_subject(igi_context *ctx, const char *folder, bool relit, subject *s)
+{
+    igi_status status = IGI_OK;
+    char *path = NULL;
+    *s = (subject){0};
+    IGI_TRY_GOTO(igi_scene_load(ctx, folder, &s->scene));
+    IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/truth", folder));
+    IGI_TRY_GOTO(igi_materials_load(ctx, path, &s->truth));
+    s->patch_m = PATCH_SHARE * diagonal(&s->scene->mesh);
+    if (relit) {
+        igi_free(path);
+        path = NULL;
+        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/relit/lights.json", folder));
+        IGI_TRY_GOTO(igi_lights_load(ctx, s->scene, path, &s->lights, &s->light_count));
+    }
+cleanup:
+    igi_free(path);
+    if (status != IGI_OK) clear_subject(s);
+    return status;
+}
+
+/* Lets the most resident memory begin anew, where the system can (Linux: proc(5), clear_refs). */
+static void forget_peak(void)
+{
+    FILE *file = fopen("/proc/self/clear_refs", "w");
+    if (!file) return;
+    fputs("5", file);
+    fclose(file);
+}
+
+/* Under lights that recovery never saw, as the first camera sees it. */
+static igi_status relight(igi_context *ctx, const subject *s, const chart_case *c, double *error)
+{
+    igi_camera camera = s->scene->frames[0].camera;
+    double shrink = RELIT_WIDTH / (double)camera.width;
+    camera.width = RELIT_WIDTH;
+    camera.height = (int)(camera.height * shrink);
+    camera.fl_x *= shrink;
+    camera.fl_y *= shrink;
+    camera.cx *= shrink;
+    camera.cy *= shrink;
+    return chart_relit_error(ctx, s->scene, s->truth, c->materials, s->lights, s->light_count,
+                             &camera, RELIT_SAMPLES, error);
+}
+
+static void describe(const chart_case *c, speed_row *row)
+{
+    const double none = (double)NAN;
+    const igi_validation *v = c->validation;
+    row->refused = c->status != IGI_OK;
+    row->albedo = row->albedo_max = row->specular = row->alpha = row->texels = row->relit = none;
+    row->rays = c->rays;
+    row->cpu_s = c->cpu_s;
+    row->peak_bytes = c->peak_bytes;
+    if (!v) return;
+    row->albedo = v->albedo_mean;
+    row->albedo_max = v->albedo_max;
+    row->specular = v->specular_mean;
+    row->alpha = v->alpha_mean;
+    row->texels = v->texture_median;
+    row->models = v->models;
+    row->models_right = v->models_right;
+    row->parameters = chart_parameters(c->materials);
+}
+
+static igi_status climb(igi_context *ctx, const subject *s, const rung *step, speed_rows *rows)
+{
+    igi_status status = IGI_OK;
+    chart_case c = {.status = IGI_OK};
+    double reference = 1;
+    igi_recover_options options;
+    igi_recover_options_init(&options);
+    options.method = step->method;
+    options.patch_m = step->patch * s->patch_m;
+    options.rays = step->rays;
+    void *grown = igi_grow(ctx, rows->rows, &rows->capacity, rows->count + 1, sizeof *rows->rows);
+    if (!grown) return IGI_E_SYSTEM;
+    rows->rows = grown;
+    speed_row *row = &rows->rows[rows->count];
+    *row = (speed_row){.scene = s->scene->name,
+                       .method = step->method,
+                       .patch_m = options.patch_m,
+                       .rays_each = step->rays};
+    IGI_TRY(chart_reference_seconds(ctx, &reference));
+    forget_peak();
+    IGI_TRY_GOTO(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
+    describe(&c, row);
+    row->ratio = row->cpu_s / reference;
+    if (s->lights && c.materials) IGI_TRY_GOTO(relight(ctx, s, &c, &row->relit));
+    rows->count++;
+cleanup:
+    chart_case_clear(&c);
+    return status;
+}
+
+/* The front of one scene's rows: nothing that is as quick is more accurate. */
+static void mark_front(speed_row *rows, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        rows[i].front = !isnan(rows[i].albedo);
+        for (size_t k = 0; k < count; k++)
+            if (rows[k].cpu_s < rows[i].cpu_s && rows[k].albedo <= rows[i].albedo)
+                rows[i].front = false;
+    }
+}
+
+/* How few parameters would have done: with lobes where evidence asks for them, and without. */
+static igi_status spare(igi_context *ctx, const subject *s, spare_rows *rows)
+{
+    static const struct {
+        const char *name;
+        int model;
+    } models[] = {{"lambert", IGI_LAMBERT}, {"auto", IGI_ANY_MODEL}};
+    for (size_t m = 0; m < 2; m++) {
+        chart_case c;
+        igi_recover_options options;
+        igi_recover_options_init(&options);
+        options.model = models[m].model;
+        IGI_TRY(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
+        igi_status status = IGI_OK;
+        if (c.materials)
+            status = chart_spare(ctx, s->scene->name, models[m].name, c.materials, s->truth, rows);
+        chart_case_clear(&c);
+        IGI_TRY(status);
+    }
+    return IGI_OK;
+}
+
+static igi_status run_scene(igi_context *ctx, const subject *s, bool small, double begin,
+                            double share, speed_rows *rows, spare_rows *spares)
+{
+    size_t steps = sizeof ladder / sizeof ladder[0], first = rows->count;
+    for (size_t i = 0; i < steps; i++) {
+        if (small && !ladder[i].small) continue;
+        IGI_TRY(climb(ctx, s, &ladder[i], rows));
+        IGI_TRY(igi_progress(ctx, begin + share * (double)(i + 1) / (double)(steps + 2)));
+    }
+    mark_front(rows->rows + first, rows->count - first);
+    return spare(ctx, s, spares);
+}
 
 igi_status igi_chart_speed(igi_context *ctx, const igi_chart_options *options, const char *folder)
 {
-    (void)options;
-    (void)folder;
-    return igi_fail(ctx, IGI_E_USAGE, "chart speed: does not exist yet");
+    igi_status status = IGI_OK;
+    speed_rows rows = {0};
+    spare_rows spares = {0};
+    peer_curves peers = {0};
+    subject *subjects = NULL;
+    if (options->scene_count == 0)
+        return igi_fail(ctx, IGI_E_USAGE,
+                        "chart speed: no scene is given; name folders with "
+                        "truth/, as igi synth writes them");
+    igi_stage_begin(ctx, "speed");
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, options->scene_count, &subjects));
+    if (options->peer) IGI_TRY_GOTO(chart_peers_load(ctx, options->peer, &peers));
+    for (size_t i = 0; i < options->scene_count; i++) /* mistakes are found before the long work */
+        IGI_TRY_GOTO(load_subject(ctx, options->scenes[i], options->relit, &subjects[i]));
+    for (size_t i = 0; i < options->scene_count; i++) {
+        double share = 1 / (double)options->scene_count;
+        IGI_TRY_GOTO(
+            run_scene(ctx, &subjects[i], options->small, (double)i * share, share, &rows, &spares));
+    }
+    IGI_TRY_GOTO(chart_speed_save(ctx, &rows, &peers, folder));
+    IGI_TRY_GOTO(chart_spare_save(ctx, &spares, folder));
+cleanup:
+    igi_stage_begin(ctx, NULL);
+    for (size_t i = 0; subjects && i < options->scene_count; i++) clear_subject(&subjects[i]);
+    igi_free(subjects);
+    igi_free(rows.rows);
+    igi_free(spares.rows);
+    chart_peers_clear(&peers);
+    return status;
 }

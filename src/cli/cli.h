@@ -17,12 +17,12 @@ typedef struct cli_values {
     const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
         *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
-        *cache;
+        *cache, *peer;
     double samples, seeds;
     double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos,
-        small;
+        small, relit;
 } cli_values;
 
 /* One bit a command, for the table of options. */

@@ -153,6 +153,8 @@ static igi_status run(cli_session *s)
     options.cache = v->cache;
     options.seeds = (int)v->seeds;
     options.small = v->small;
+    options.peer = v->peer;
+    options.relit = v->relit;
     igi_status status = draw(s, &options, speed);
     free(scene_list);
     free(sweep_list);

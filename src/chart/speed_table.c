@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The speed chart's tables. What differs from run to run (times, memory, and the front, which
+ * depends on them) stands in the last columns; all else is the same bytes every time.
+ */
+#include "chart/speed_plot.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+/* A name in a table: without what would cut it. */
+static void put_name(FILE *file, const char *name)
+{
+    for (; *name; name++) fputc(strchr(",\"\r\n", *name) ? '_' : *name, file);
+}
+
+/* ",1.234e-3", or "," for what does not apply. */
+static void put(FILE *file, double x)
+{
+    if (isnan(x)) fputc(',', file);
+    else fprintf(file, ",%.4g", x);
+}
+
+static igi_status open_table(igi_context *ctx, const char *folder, const char *name,
+                             const char *columns, FILE **file)
+{
+    char *path = NULL;
+    IGI_TRY(igi_strprintf(ctx, &path, "%s/%s", folder, name));
+    *file = fopen(path, "w");
+    igi_status status = IGI_OK;
+    if (*file) fprintf(*file, "%s\n", columns);
+    else status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno));
+    igi_free(path);
+    return status;
+}
+
+static igi_status close_table(igi_context *ctx, const char *folder, const char *name, FILE *file)
+{
+    bool whole = !ferror(file);
+    if (fclose(file) == 0 && whole) return IGI_OK;
+    return igi_fail(ctx, IGI_E_SYSTEM, "%s/%s: could not be written; is the disk full?", folder,
+                    name);
+}
+
+static void put_row(FILE *file, const speed_row *r)
+{
+    const double errors[] = {r->albedo, r->albedo_max, r->specular, r->alpha, r->texels, r->relit};
+    put_name(file, r->scene);
+    fprintf(file, ",%s,%.4g,%d", igi_method_name(r->method), r->patch_m, r->rays_each);
+    for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++) put(file, errors[i]);
+    fprintf(file, ",%d,%d,%zu,%llu,%.3f,%.3g,%.0f,%d\n", r->models_right, r->models, r->parameters,
+            (unsigned long long)r->rays, r->cpu_s, r->ratio, (double)r->peak_bytes * 1e-6,
+            r->front);
+}
+
+static igi_status save_peers(igi_context *ctx, const peer_curves *peers, const char *folder)
+{
+    FILE *file;
+    IGI_TRY(open_table(ctx, folder, "peers.csv",
+                       "peer,scene,albedo_mean,specular,alpha,texels,cpu_s", &file));
+    for (size_t i = 0; i < peers->count; i++)
+        for (size_t k = 0; k < peers->curves[i].count; k++) {
+            const peer_point *p = &peers->curves[i].points[k];
+            put_name(file, peers->curves[i].peer);
+            fputs(",", file);
+            put_name(file, peers->curves[i].scene);
+            for (size_t e = 0; e < 4; e++) put(file, p->errors[e]);
+            fprintf(file, ",%.3f\n", p->cpu_s);
+        }
+    return close_table(ctx, folder, "peers.csv", file);
+}
+
+igi_status chart_speed_save(igi_context *ctx, const speed_rows *rows, const peer_curves *peers,
+                            const char *folder)
+{
+    FILE *file;
+    IGI_TRY(open_table(ctx, folder, "speed.csv",
+                       "scene,method,patch_m,rays_each,albedo_mean,albedo_max,specular,alpha,"
+                       "texels,relit,models_right,models,parameters,rays,cpu_s,ratio,peak_mb,front",
+                       &file));
+    for (size_t i = 0; i < rows->count; i++) put_row(file, &rows->rows[i]);
+    IGI_TRY(close_table(ctx, folder, "speed.csv", file));
+    IGI_TRY(save_peers(ctx, peers, folder));
+    return chart_speed_draw(ctx, rows, peers, folder);
+}
+
+igi_status chart_spare_save(igi_context *ctx, const spare_rows *rows, const char *folder)
+{
+    FILE *file;
+    IGI_TRY(open_table(ctx, folder, "parsimony.csv",
+                       "scene,model,map_size,chosen,parameters,lobes,error,specular", &file));
+    for (size_t i = 0; i < rows->count; i++) {
+        const spare_row *r = &rows->rows[i];
+        put_name(file, r->scene);
+        fprintf(file, ",%s,%d,%d,%zu,%zu", r->model, r->map_size, r->chosen, r->parameters,
+                r->lobes);
+        put(file, r->error);
+        put(file, r->specular);
+        fputs("\n", file);
+    }
+    IGI_TRY(close_table(ctx, folder, "parsimony.csv", file));
+    return chart_spare_draw(ctx, rows, folder);
+}
