@@ -213,12 +213,37 @@ static bool has_errors(const char *scene, size_t kind, const speed_rows *rows)
     return false;
 }
 
-static size_t last_kind(const char *scene, const speed_rows *rows)
+/* The kinds of error that some scene has; how many. */
+static size_t list_kinds(const char *const *scenes, size_t count, const speed_rows *rows,
+                         size_t list[KINDS])
 {
-    size_t last = 0;
-    for (size_t kind = 0; kind < KINDS; kind++)
-        if (has_errors(scene, kind, rows)) last = kind;
-    return last;
+    size_t kinds_count = 0;
+    for (size_t kind = 0; kind < KINDS; kind++) {
+        bool any = false;
+        for (size_t i = 0; i < count; i++) any |= has_errors(scenes[i], kind, rows);
+        if (any) list[kinds_count++] = kind;
+    }
+    return kinds_count;
+}
+
+/* Has the scene no errors of the kinds after the list's first? */
+static bool is_lowest(const char *scene, const size_t *list, size_t rest, const speed_rows *rows)
+{
+    for (size_t k = 1; k < rest; k++)
+        if (has_errors(scene, list[k], rows)) return false;
+    return true;
+}
+
+static panel make_panel(const char *scene, size_t kind, const speed_rows *rows,
+                        const peer_curves *peers)
+{
+    panel p = {.scene = scene, .kind = kind};
+    p.x = times_of(scene, rows, peers);
+    p.y = errors_of(kind, rows, peers);
+    label_methods(&p, rows);
+    label_peers(&p, peers);
+    spread_labels(&p);
+    return p;
 }
 
 igi_status chart_speed_draw(igi_context *ctx, const speed_rows *rows, const peer_curves *peers,
@@ -227,32 +252,25 @@ igi_status chart_speed_draw(igi_context *ctx, const speed_rows *rows, const peer
     enum { MAX_SCENES = 16 };
     FILE *script;
     const char *scenes[MAX_SCENES];
-    size_t count = list_scenes(rows, scenes, MAX_SCENES), lines = 1;
-    for (size_t i = 0; i < count; i++) {
-        size_t last = last_kind(scenes[i], rows);
-        if (last + 1 > lines) lines = last + 1;
-    }
-    if (count == 0) return IGI_OK;
+    size_t list[KINDS], count = list_scenes(rows, scenes, MAX_SCENES);
+    size_t lines = list_kinds(scenes, count, rows, list);
+    if (lines == 0) return IGI_OK; /* every scene was refused */
     IGI_TRY(chart_plot_begin(ctx, folder, "speed", (int)count * PANEL_WIDTH + 40,
                              (int)lines * PANEL_HEIGHT + 40, &script));
     fprintf(script,
             "set multiplot layout %zu,%zu margins %.3f,.99,%.3f,%.3f spacing .05,.06\n"
             "unset key\nset logscale xy\nset format '%%g'\n",
             lines, count, .16 / (double)count, .2 / (double)lines, 1 - .12 / (double)lines);
-    for (size_t kind = 0; kind < lines; kind++)
+    for (size_t k = 0; k < lines; k++)
         for (size_t i = 0; i < count; i++) {
-            panel p = {.scene = scenes[i], .kind = kind};
-            if (!has_errors(scenes[i], kind, rows)) {
+            if (!has_errors(scenes[i], list[k], rows)) {
                 fputs("set multiplot next\n", script);
                 continue;
             }
-            p.x = times_of(scenes[i], rows, peers);
-            p.y = errors_of(kind, rows, peers);
-            label_methods(&p, rows);
-            label_peers(&p, peers);
-            spread_labels(&p);
-            bool leftmost = i == 0 || !has_errors(scenes[i - 1], kind, rows);
-            put_panel(script, &p, rows, peers, leftmost, kind == last_kind(scenes[i], rows));
+            panel p = make_panel(scenes[i], list[k], rows, peers);
+            bool leftmost = i == 0 || !has_errors(scenes[i - 1], list[k], rows);
+            put_panel(script, &p, rows, peers, leftmost,
+                      is_lowest(scenes[i], list + k, lines - k, rows));
         }
     fputs("unset multiplot\n", script);
     return chart_plot_end(ctx, folder, "speed", script);
