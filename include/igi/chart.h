@@ -14,8 +14,8 @@ extern "C" {
 typedef struct igi_chart_options {
     size_t struct_size;
     size_t scene_count;        /* 0: the standard ones */
-    const char *const *scenes; /* [scene_count] speed: scene folders with truth/; stability: specs
-                                * of igi synth, in place of those that the sweeps name */
+    const char *const *scenes; /* [scene_count] speed: scene folders with truth/, or specs of igi
+                                * synth; stability: specs, in place of those the sweeps name */
     const char *datasets;      /* folder of specs; its sweeps/ holds the sweeps; default
                            * "datasets-synthetic" */
     size_t sweep_count;        /* stability: 0: every file of sweeps/ */

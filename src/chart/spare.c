@@ -1,48 +1,76 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Parsimony: what each further parameter of a result buys. A result is made simpler step by step,
- * its maps coarser down to one albedo a region, and compared texel by texel each time.
+ * its maps coarser, down to one albedo a region, and compared texel by texel each time.
  */
 #include "chart/speed.h"
-
-#include "report/resample.h"
 
 #include <math.h>
 #include <string.h>
 
 #define DETERMINED 0.5f /* a map's A, to count as a parameter: as in report/validate.c */
 
-size_t chart_parameters(const igi_materials *materials)
+static bool has_map(const igi_material *m)
+{
+    return !m->emitter && m->textured && m->map;
+}
+
+/* All but the texels of maps: an albedo where there is no map, and the lobes. */
+static size_t plain_parameters(const igi_materials *materials)
 {
     size_t parameters = 0, bands = (size_t)materials->bands;
     for (size_t i = 0; i < materials->count; i++) {
         const igi_material *m = &materials->materials[i];
-        size_t texels = 0;
         if (m->emitter) continue;
-        if (m->textured && m->map) {
-            size_t all = (size_t)m->map->width * (size_t)m->map->height;
-            for (size_t t = 0; t < all; t++)
-                texels += m->map->samples[t * (bands + 1) + bands] > DETERMINED;
-        }
-        parameters += bands * (texels ? texels : 1);
+        if (!has_map(m)) parameters += bands;
         if (m->model != IGI_LAMBERT) parameters += (m->specular_is_rgb ? bands : 1) + 1;
     }
     return parameters;
 }
 
-static igi_status shrink_maps(igi_context *ctx, igi_materials *materials, int size)
+size_t chart_parameters(const igi_materials *materials)
 {
+    size_t texels = 0, bands = (size_t)materials->bands;
     for (size_t i = 0; i < materials->count; i++) {
-        igi_material *m = &materials->materials[i];
-        igi_image *smaller;
-        if (!m->map || !m->textured) continue;
-        int width = m->map->width < size ? m->map->width : size;
-        int height = m->map->height < size ? m->map->height : size;
-        if (width == m->map->width && height == m->map->height) continue;
-        IGI_TRY(igi_image_resample(ctx, m->map, width, height, &smaller));
-        igi_image_destroy(m->map);
-        m->map = smaller;
+        const igi_image *map = materials->materials[i].map;
+        if (!has_map(&materials->materials[i])) continue;
+        for (size_t t = 0; t < (size_t)map->width * (size_t)map->height; t++)
+            texels += map->samples[t * (bands + 1) + bands] > DETERMINED;
     }
+    return plain_parameters(materials) + bands * texels;
+}
+
+/* The map in `size` cells along a side: each the mean over its texels that photographs determine.
+ * The number of texels, and which of them are judged, stay. *used: cells that have such texels. */
+static igi_status coarsen(igi_context *ctx, igi_image *map, int size, size_t *used)
+{
+    size_t bands = (size_t)map->channels - 1, step = bands + 1;
+    size_t width = (size_t)map->width, texels = width * (size_t)map->height;
+    size_t columns = size < map->width ? (size_t)size : width;
+    size_t rows = size < map->height ? (size_t)size : (size_t)map->height;
+    double *sums = NULL; /* [rows][columns][bands + 1], the last is the count */
+    IGI_TRY(IGI_ALLOC(ctx, rows * columns * step, &sums));
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t t = 0; t < texels; t++) {
+            size_t column = t % width * columns / width;
+            double *sum = sums + (t / width * rows / (size_t)map->height * columns + column) * step;
+            float *texel = map->samples + t * step;
+            if (!(texel[bands] > DETERMINED)) continue;
+            for (size_t b = 0; b < bands; b++)
+                if (pass == 0) sum[b] += (double)texel[b];
+                else texel[b] = (float)(sum[b] / sum[bands]);
+            if (pass == 0) *used += sum[bands]++ == 0;
+        }
+    igi_free(sums);
+    return IGI_OK;
+}
+
+static igi_status coarsen_all(igi_context *ctx, igi_materials *materials, int size, size_t *used)
+{
+    *used = 0;
+    for (size_t i = 0; i < materials->count; i++)
+        if (has_map(&materials->materials[i]))
+            IGI_TRY(coarsen(ctx, materials->materials[i].map, size, used));
     return IGI_OK;
 }
 
@@ -51,7 +79,7 @@ static int largest_map(const igi_materials *materials)
     int largest = 0;
     for (size_t i = 0; i < materials->count; i++) {
         const igi_material *m = &materials->materials[i];
-        if (!m->map || !m->textured || m->emitter) continue;
+        if (!has_map(m)) continue;
         if (m->map->width > largest) largest = m->map->width;
         if (m->map->height > largest) largest = m->map->height;
     }
@@ -74,7 +102,6 @@ static igi_status add_row(igi_context *ctx, spare_row row, const igi_materials *
     row.error = count ? sum / (double)count : (double)NAN;
     row.specular = v->specular_mean;
     igi_validation_destroy(v);
-    row.parameters = chart_parameters(materials);
     for (size_t i = 0; i < materials->count; i++)
         row.lobes += materials->materials[i].model != IGI_LAMBERT;
     void *grown = igi_grow(ctx, rows->rows, &rows->capacity, rows->count + 1, sizeof *rows->rows);
@@ -87,17 +114,17 @@ static igi_status add_row(igi_context *ctx, spare_row row, const igi_materials *
 igi_status chart_spare(igi_context *ctx, const char *scene, const char *model,
                        igi_materials *materials, const igi_materials *truth, spare_rows *rows)
 {
-    int size = largest_map(materials);
-    bool first = true;
+    int largest = largest_map(materials), size = largest;
     do {
+        size_t cells;
+        IGI_TRY(coarsen_all(ctx, materials, size, &cells));
         spare_row row = {.scene = scene,
                          .model = model,
                          .map_size = size > 1 ? size : 0,
-                         .chosen = first && strcmp(model, "auto") == 0};
-        IGI_TRY(shrink_maps(ctx, materials, size > 0 ? size : 1));
+                         .chosen = size == largest && strcmp(model, "auto") == 0,
+                         .parameters = plain_parameters(materials) +
+                                       (size_t)materials->bands * cells};
         IGI_TRY(add_row(ctx, row, materials, truth, rows));
-        first = false;
-        if (size <= 1) break;
         size /= 2;
     } while (size >= 1);
     return IGI_OK;

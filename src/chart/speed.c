@@ -4,8 +4,11 @@
  * the recovery, from the photographs' files to materials with maps, on one thread.
  */
 #include "chart/speed.h"
+#include "chart/sweep.h"
 
 #include "base/vec.h"
+
+#include <igi/output.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -38,6 +41,10 @@ static const rung ladder[] = {
     {IGI_METHOD_YU99, 1, 0, false},        {IGI_METHOD_DIRECT, 6, 0, true},
     {IGI_METHOD_DIRECT, 2.5, 0, false},    {IGI_METHOD_DIRECT, 1, 0, true},
     {IGI_METHOD_DIRECT, .7, 0, false}};
+
+static const char *const standard_specs[] = {"demo-room.json", "sweeps/rooms/room.json"};
+
+enum { STANDARD_SPECS = sizeof standard_specs / sizeof standard_specs[0] };
 
 /* A scene of the chart. */
 typedef struct subject {
@@ -85,6 +92,26 @@ static igi_status load_subject(igi_context *ctx, const char *folder, bool relit,
 cleanup:
     igi_free(path);
     if (status != IGI_OK) clear_subject(s);
+    return status;
+}
+
+/* The scene, a folder or a spec that is rendered first; or the n-th standard one. */
+static igi_status make_subject(igi_context *ctx, const igi_chart_options *options, size_t n,
+                               const char *rooms, subject *s)
+{
+    igi_status status = IGI_OK;
+    char *base = NULL;
+    chart_room room = {.seed = 0};
+    const igi_json no_changes = {.value = NULL};
+    if (options->scene_count) IGI_TRY_GOTO(igi_strdup(ctx, options->scenes[n], &base));
+    else IGI_TRY_GOTO(igi_strprintf(ctx, &base, "%s/%s", options->datasets, standard_specs[n]));
+    IGI_TRY_GOTO(
+        chart_room_plan(ctx, base, &no_changes, 0, igi_seed(ctx), rooms, options->small, &room));
+    IGI_TRY_GOTO(chart_room_make(ctx, &room));
+    IGI_TRY_GOTO(load_subject(ctx, room.folder, options->relit, s));
+cleanup:
+    chart_room_clear(&room);
+    igi_free(base);
     return status;
 }
 
@@ -195,48 +222,83 @@ static igi_status spare(igi_context *ctx, const subject *s, spare_rows *rows)
     return IGI_OK;
 }
 
-static igi_status run_scene(igi_context *ctx, const subject *s, bool small, double begin,
-                            double share, speed_rows *rows, spare_rows *spares)
+typedef struct range {
+    double low, high;
+} range;
+
+/* The first recovery of a process pays for reading files and touching memory; nobody counts it. */
+static igi_status warm_up(igi_context *ctx, const subject *s)
 {
-    size_t steps = sizeof ladder / sizeof ladder[0], first = rows->count;
+    chart_case c;
+    igi_recover_options options;
+    igi_recover_options_init(&options);
+    options.method = IGI_METHOD_DIRECT;
+    options.patch_m = 6 * s->patch_m;
+    IGI_TRY(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
+    chart_case_clear(&c);
+    return IGI_OK;
+}
+
+typedef struct tables {
+    speed_rows speed;
+    spare_rows spare;
+    peer_curves peers;
+} tables;
+
+static igi_status run_scene(igi_context *ctx, const subject *s, bool small, range part, tables *t)
+{
+    size_t steps = sizeof ladder / sizeof ladder[0], first = t->speed.count;
+    IGI_TRY(warm_up(ctx, s));
     for (size_t i = 0; i < steps; i++) {
         if (small && !ladder[i].small) continue;
-        IGI_TRY(climb(ctx, s, &ladder[i], rows));
-        IGI_TRY(igi_progress(ctx, begin + share * (double)(i + 1) / (double)(steps + 2)));
+        IGI_TRY(climb(ctx, s, &ladder[i], &t->speed));
+        double done = (double)(i + 1) / (double)(steps + 2);
+        IGI_TRY(igi_progress(ctx, part.low + done * (part.high - part.low)));
     }
-    mark_front(rows->rows + first, rows->count - first);
-    return spare(ctx, s, spares);
+    mark_front(t->speed.rows + first, t->speed.count - first);
+    return spare(ctx, s, &t->spare);
+}
+
+static igi_status run_all(igi_context *ctx, const igi_chart_options *options, const char *rooms,
+                          subject *subjects, size_t count, tables *t)
+{
+    igi_stage_begin(ctx, "rooms"); /* mistakes are found before the long work */
+    if (options->peer) IGI_TRY(chart_peers_load(ctx, options->peer, &t->peers));
+    for (size_t i = 0; i < count; i++) IGI_TRY(make_subject(ctx, options, i, rooms, &subjects[i]));
+    igi_stage_begin(ctx, "speed");
+    for (size_t i = 0; i < count; i++) {
+        range part = {(double)i / (double)count, (double)(i + 1) / (double)count};
+        IGI_TRY(run_scene(ctx, &subjects[i], options->small, part, t));
+    }
+    return IGI_OK;
 }
 
 igi_status igi_chart_speed(igi_context *ctx, const igi_chart_options *options, const char *folder)
 {
     igi_status status = IGI_OK;
-    speed_rows rows = {0};
-    spare_rows spares = {0};
-    peer_curves peers = {0};
+    tables t = {.speed.count = 0};
     subject *subjects = NULL;
-    if (options->scene_count == 0)
-        return igi_fail(ctx, IGI_E_USAGE,
-                        "chart speed: no scene is given; name folders with "
-                        "truth/, as igi synth writes them");
-    igi_stage_begin(ctx, "speed");
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, options->scene_count, &subjects));
-    if (options->peer) IGI_TRY_GOTO(chart_peers_load(ctx, options->peer, &peers));
-    for (size_t i = 0; i < options->scene_count; i++) /* mistakes are found before the long work */
-        IGI_TRY_GOTO(load_subject(ctx, options->scenes[i], options->relit, &subjects[i]));
-    for (size_t i = 0; i < options->scene_count; i++) {
-        double share = 1 / (double)options->scene_count;
-        IGI_TRY_GOTO(
-            run_scene(ctx, &subjects[i], options->small, (double)i * share, share, &rows, &spares));
+    igi_output *scratch = NULL;
+    char *path = NULL;
+    size_t count = options->scene_count ? options->scene_count : STANDARD_SPECS;
+    const char *rooms = options->cache;
+    if (!rooms) { /* never committed: what is rendered there goes when it is destroyed */
+        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/scratch", folder));
+        IGI_TRY_GOTO(igi_output_begin(ctx, path, false, NULL, &scratch));
+        rooms = igi_output_folder(scratch);
     }
-    IGI_TRY_GOTO(chart_speed_save(ctx, &rows, &peers, folder));
-    IGI_TRY_GOTO(chart_spare_save(ctx, &spares, folder));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &subjects));
+    IGI_TRY_GOTO(run_all(ctx, options, rooms, subjects, count, &t));
+    IGI_TRY_GOTO(chart_speed_save(ctx, &t.speed, &t.peers, folder));
+    IGI_TRY_GOTO(chart_spare_save(ctx, &t.spare, folder));
 cleanup:
     igi_stage_begin(ctx, NULL);
-    for (size_t i = 0; subjects && i < options->scene_count; i++) clear_subject(&subjects[i]);
+    for (size_t i = 0; subjects && i < count; i++) clear_subject(&subjects[i]);
     igi_free(subjects);
-    igi_free(rows.rows);
-    igi_free(spares.rows);
-    chart_peers_clear(&peers);
+    igi_free(t.speed.rows);
+    igi_free(t.spare.rows);
+    chart_peers_clear(&t.peers);
+    igi_output_destroy(scratch);
+    igi_free(path);
     return status;
 }

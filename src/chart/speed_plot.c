@@ -150,6 +150,16 @@ static void put_curves(FILE *script, const panel *p, const speed_rows *rows,
     fputs("\n", script);
 }
 
+/* Fewer than two decades need marks between them. */
+static void put_marks(FILE *script, char axis, range r)
+{
+    bool few = r.high / r.low < 120;
+    fprintf(script, "set %ctics %s\n", axis, few ? "(0)" : "autofreq");
+    for (double decade = pow(10, floor(log10(r.low))); few && decade < r.high; decade *= 10)
+        fprintf(script, "set %ctics add (%.4g, %.4g, %.4g)\n", axis, decade, 2 * decade,
+                5 * decade);
+}
+
 static void put_panel(FILE *script, const panel *p, const speed_rows *rows,
                       const peer_curves *peers, bool leftmost, bool lowest)
 {
@@ -169,6 +179,8 @@ static void put_panel(FILE *script, const panel *p, const speed_rows *rows,
             lowest ? "CPU seconds of one thread" : "");
     fprintf(script, "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\n", p->x.low, p->x.high,
             p->y.low, p->y.high);
+    put_marks(script, 'x', p->x);
+    put_marks(script, 'y', p->y);
     put_curves(script, p, rows, peers);
 }
 

@@ -90,7 +90,7 @@ static const option options[] = {
     {"variance", 0, FLAG, CLI_RELIGHT, AT(variance), NULL, NULL, 0, 0,
      "write NAME.variance.exr too, the variance of each pixel's mean"},
     {"scenes", 0, TEXT, CLI_CHART, AT(scenes), "A,B", NULL, 0, 0,
-     "scene folders with truth/; stability: specs of rooms; default: the standard ones"},
+     "specs of rooms; speed: or scene folders with truth/; default: the standard ones"},
     {"sweeps", 0, TEXT, CLI_CHART, AT(sweeps), "A,B", NULL, 0, 0,
      "names of sweeps, or their files; default: all"},
     {"seeds", 0, WHOLE, CLI_CHART, AT(seeds), "N", "0", 0, 1000,
