@@ -88,7 +88,7 @@ def light_plugin(mi, light):
     sys.exit(f"z_test: lights of type {light['type']} are not compared")
 
 
-def mitsuba_scene(mi, folder, frame):
+def mitsuba_scene(mi, folder, frame, sampler="independent"):
     with open(os.path.join(folder, "truth", "truth.json"), encoding="utf-8") as file:
         truth = json.load(file)
     with open(os.path.join(folder, "transforms.json"), encoding="utf-8") as file:
@@ -125,7 +125,7 @@ def mitsuba_scene(mi, folder, frame):
         "to_world": mi.ScalarTransform4f((matrix @ flip).tolist()),
         "film": {"type": "hdrfilm", "width": int(cameras["w"]), "height": int(cameras["h"]),
                  "pixel_format": "rgb", "rfilter": {"type": "box"}},
-        "sampler": {"type": "independent", "sample_count": 16}}
+        "sampler": {"type": sampler, "sample_count": 64}}
     return mi.load_dict(scene)
 
 
@@ -136,7 +136,7 @@ def render_mitsuba(mi, scene, samples, batches=16):
     return stack.mean(0), stack.var(0, ddof=1) / batches
 
 
-def render_igi(program, folder, frame, samples):
+def render_igi(program, folder, frame, samples, threads=0):
     with open(os.path.join(folder, "transforms.json"), encoding="utf-8") as file:
         cameras = json.load(file)
     name = os.path.splitext(os.path.basename(cameras["frames"][frame]["file_path"]))[0]
@@ -146,7 +146,8 @@ def render_igi(program, folder, frame, samples):
         with open(one, "w", encoding="utf-8") as file:
             json.dump(cameras, file)
         subprocess.run([program, "relight", os.path.join(folder, "truth"), "--cameras", one,
-                        "--samples", str(samples), "--variance", "-q", "-o", out], check=True)
+                        "--samples", str(samples), "--variance", "-q", "-o", out,
+                        "--threads", str(threads)], check=True)
         return read_exr(f"{out}/{name}.exr"), read_exr(f"{out}/{name}.variance.exr")
 
 

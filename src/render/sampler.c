@@ -11,10 +11,27 @@
 static const uint32_t first[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
 static const uint32_t second[16] = {0, 8, 12, 4, 10, 2, 6, 14, 15, 7, 3, 11, 5, 13, 9, 1};
 
+/* A bijection of 0..mask for each key (Kensler 2013): without it, the same digit of every dimension
+ * would differ by a constant alone, and a product of two would not be stratified at all. */
+static uint32_t shuffle(uint32_t i, uint32_t mask, uint32_t key)
+{
+    i = (i ^ key) * 0xe170893du;
+    i ^= key >> 16;
+    i ^= (i & mask) >> 4;
+    i = (i ^ key >> 8) * 0x0929eb3fu;
+    i ^= key >> 23;
+    i ^= (i & mask) >> 1;
+    i *= (1 | key >> 27) * 0x6935fa69u;
+    i ^= (i & mask) >> 2;
+    i *= 0x9e501cc3u;
+    i ^= (i & mask) >> 2;
+    return (i * 0xc860a3dfu + key) & mask;
+}
+
 void sampler_next(sampler *s, float *u, float *v)
 {
     uint64_t h = igi_hash64(s->key + s->dimension++);
-    uint32_t i = (s->index ^ (uint32_t)(h & 15)) & s->mask;
+    uint32_t i = shuffle(s->index, s->mask, (uint32_t)(h ^ h >> 29));
     *u = igi_u32_to_float((first[i] << 28) ^ (uint32_t)(h >> 32));
     *v = igi_u32_to_float((second[i] << 28) ^ (uint32_t)(h >> 4));
 }
