@@ -64,14 +64,6 @@ IGI_API IGI_MUST_USE igi_status igi_materials_save(igi_context *context,
                                                    const igi_materials *materials,
                                                    const igi_scene *scene, const char *folder);
 
-/* Writes the scene's mesh with these materials and lights as binary glTF 2.0: one primitive a
- * region, base colour maps inside, roughness = sqrt(alpha), KHR_materials_specular for rho_s,
- * KHR_materials_emissive_strength for lamps, KHR_lights_punctual for point, spot and directional
- * lights. Of more than three bands the first three are taken for R, G and B. */
-IGI_API IGI_MUST_USE igi_status igi_materials_save_glb(igi_context *context,
-                                                       const igi_materials *materials,
-                                                       const igi_scene *scene, const char *path);
-
 /* Reads what igi_materials_save wrote, or a truth folder (truth.json with "texture" maps).
  * An area light's region is its index among the materials, -1 where there is none of its name.
  * `determined` is observed > 0, `textured` is that materials.json names a map. */

@@ -19,6 +19,7 @@ typedef struct cli_values {
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
         *cache, *peer;
     double samples, seeds;
+    const char *to; /* export */
     double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos,

@@ -28,7 +28,8 @@ typedef struct option {
 
 static const option options[] = {
     {"output", 'o', TEXT,
-     CLI_RECOVER | CLI_SYNTH | CLI_MERGE | CLI_CALIBRATE | CLI_CORRECT | CLI_RELIGHT | CLI_CHART,
+     CLI_RECOVER | CLI_SYNTH | CLI_MERGE | CLI_CALIBRATE | CLI_CORRECT | CLI_RELIGHT | CLI_CHART |
+         CLI_EXPORT,
      AT(output), "PATH", NULL, 0, 0, "where to write; it appears whole or not at all"},
     {"list", 0, TEXT, CLI_MERGE, AT(list), "FILE", NULL, 0, 0,
      "a line an image: NAME SECONDS [F-NUMBER [ISO]]; without it, EXIF"},
@@ -81,10 +82,12 @@ static const option options[] = {
      "rays from each patch; 0: the method's own"},
     {"map-size", 0, WHOLE, CLI_RECOVER, AT(map_size), "TEXELS", "0", 0, 16384,
      "side of an albedo map; 0: as fine as the photographs"},
-    {"lights", 0, TEXT, CLI_RELIGHT, AT(lights), "FILE", NULL, 0, 0,
+    {"to", 0, CHOICE, CLI_EXPORT, AT(to), "glb|obj|mitsuba|pbrt|radiance", NULL, 0, 0,
+     "the program to write for"},
+    {"lights", 0, TEXT, CLI_RELIGHT | CLI_EXPORT, AT(lights), "FILE", NULL, 0, 0,
      "JSON with the lights that are on, as in scene.json; without it, the result's own"},
-    {"cameras", 0, TEXT, CLI_RELIGHT, AT(cameras), "FILE", NULL, 0, 0,
-     "transforms.json, or a COLMAP folder: the views to render"},
+    {"cameras", 0, TEXT, CLI_RELIGHT | CLI_EXPORT, AT(cameras), "FILE", NULL, 0, 0,
+     "transforms.json, or a COLMAP folder: the views"},
     {"samples", 0, WHOLE, CLI_RELIGHT, AT(samples), "N", "64", 1, MANY,
      "paths a pixel; noise falls with their square root"},
     {"variance", 0, FLAG, CLI_RELIGHT, AT(variance), NULL, NULL, 0, 0,

@@ -20,16 +20,6 @@
 #define FOOTPRINTS 4096  /* looked at to find a map's size */
 #define SITES_A_SIDE 8
 
-static igi_status take_atlas(igi_context *ctx, igi_layout *l, uint32_t region)
-{
-    igi_atlas *atlas;
-    IGI_TRY(igi_atlas_create(ctx, &l->scene->mesh, region, &atlas));
-    for (size_t i = 0; i < atlas->count; i++)
-        memcpy(l->uvs + 6 * (size_t)atlas->triangles[i], atlas->uvs + 6 * i, 6 * sizeof(float));
-    igi_atlas_destroy(atlas);
-    return IGI_OK;
-}
-
 igi_status igi_layout_create(igi_context *ctx, const igi_scene *scene, igi_layout **layout)
 {
     igi_layout *l = NULL;
@@ -42,7 +32,7 @@ igi_status igi_layout_create(igi_context *ctx, const igi_scene *scene, igi_layou
         memcpy(l->uvs, scene->mesh.uvs, 6 * scene->mesh.triangle_count * sizeof(float));
     for (uint32_t r = 0; r < scene->region_count; r++)
         if (!(scene->regions[r].has_uvs && scene->mesh.uvs) && !scene->regions[r].emitter)
-            IGI_TRY_GOTO(take_atlas(ctx, l, r));
+            IGI_TRY_GOTO(igi_atlas_fill(ctx, &scene->mesh, r, l->uvs));
     *layout = l;
     l = NULL;
 cleanup:

@@ -92,16 +92,19 @@ static void destroy_sentences(char **sentences, size_t count)
     igi_free(sentences);
 }
 
+void igi_material_clear(igi_material *m)
+{
+    igi_free(m->region);
+    igi_image_destroy(m->map);
+    igi_image_destroy(m->map_std);
+    destroy_sentences(m->warnings, m->warning_count);
+}
+
 void igi_materials_destroy(igi_materials *materials)
 {
     if (!materials) return;
-    for (size_t i = 0; materials->materials && i < materials->count; i++) {
-        igi_material *m = &materials->materials[i];
-        igi_free(m->region);
-        igi_image_destroy(m->map);
-        igi_image_destroy(m->map_std);
-        destroy_sentences(m->warnings, m->warning_count);
-    }
+    for (size_t i = 0; materials->materials && i < materials->count; i++)
+        igi_material_clear(&materials->materials[i]);
     for (size_t i = 0; materials->lights && i < materials->light_count; i++)
         igi_free(materials->lights[i].file);
     destroy_sentences(materials->warnings, materials->warning_count);

@@ -20,4 +20,7 @@ const char *igi_light_value_key(igi_light_type type);
  * a hash. *name is the caller's. */
 IGI_MUST_USE igi_status igi_region_file_name(igi_context *ctx, const char *region, char **name);
 
+/* Frees what a material holds, not itself. */
+void igi_material_clear(igi_material *material);
+
 #endif

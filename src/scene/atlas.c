@@ -10,6 +10,7 @@
 #include "base/vec.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #define FACING_COS 0.9f
 #define BISECTIONS 24
@@ -271,4 +272,14 @@ void igi_atlas_destroy(igi_atlas *atlas)
     igi_free(atlas->triangles);
     igi_free(atlas->uvs);
     igi_free(atlas);
+}
+
+igi_status igi_atlas_fill(igi_context *ctx, const igi_mesh *mesh, uint32_t region, float *uvs)
+{
+    igi_atlas *atlas;
+    IGI_TRY(igi_atlas_create(ctx, mesh, region, &atlas));
+    for (size_t i = 0; i < atlas->count; i++)
+        memcpy(uvs + 6 * (size_t)atlas->triangles[i], atlas->uvs + 6 * i, 6 * sizeof *uvs);
+    igi_atlas_destroy(atlas);
+    return IGI_OK;
 }

@@ -23,4 +23,8 @@ IGI_MUST_USE igi_status igi_atlas_create(igi_context *ctx, const igi_mesh *mesh,
                                          igi_atlas **atlas);
 void igi_atlas_destroy(igi_atlas *atlas);
 
+/* The same, written over the region's part of uvs[triangle_count][3][2] of the mesh. */
+IGI_MUST_USE igi_status igi_atlas_fill(igi_context *ctx, const igi_mesh *mesh, uint32_t region,
+                                       float *uvs);
+
 #endif

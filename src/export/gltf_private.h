@@ -2,10 +2,10 @@
  *
  * A binary glTF in the making: shared by gltf.c and gltf_mesh.c.
  */
-#ifndef IGI_SRC_MATERIAL_GLTF_PRIVATE_H
-#define IGI_SRC_MATERIAL_GLTF_PRIVATE_H
+#ifndef IGI_SRC_EXPORT_GLTF_PRIVATE_H
+#define IGI_SRC_EXPORT_GLTF_PRIVATE_H
 
-#include "material/material.h"
+#include "export/export_private.h"
 
 #include <jansson.h>
 

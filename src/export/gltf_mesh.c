@@ -2,7 +2,7 @@
  *
  * Triangles as glTF's buffers.
  */
-#include "material/gltf_private.h"
+#include "export/gltf_private.h"
 
 #include <float.h>
 #include <math.h>

@@ -7,34 +7,21 @@
  * specularFactor = 0 a lambert surface. Roughness is sqrt(alpha). glTF is Y-up with the origin of
  * texture coordinates at the top left: a node turns our Z up, and v becomes 1 - v.
  */
-#include "material/gltf_private.h"
+#include "export/gltf_private.h"
+#include "scene/atlas.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static double srgb(double x)
-{
-    x = fmin(fmax(x, 0), 1);
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-}
-
-/* A map's first three bands as PNG, and a texture of it. */
 static igi_status add_texture(igi_glb *g, const igi_image *map, int *texture)
 {
     igi_status status = IGI_OK;
-    size_t texels = (size_t)map->width * (size_t)map->height, size, offset;
-    int bands = g->materials->bands, view;
-    uint8_t *pixels = NULL, *png = NULL, table[4096];
-    for (int i = 0; i < 4096; i++) table[i] = (uint8_t)(255 * srgb(i / 4095.0) + .5);
-    IGI_TRY_GOTO(IGI_ALLOC(g->ctx, 3 * texels, &pixels));
-    for (size_t i = 0; i < 3 * texels; i++) {
-        int band = (int)(i % 3) < bands ? (int)(i % 3) : bands - 1;
-        float x = map->samples[i / 3 * (size_t)map->channels + (size_t)band];
-        pixels[i] = table[x > 0 ? (int)(fminf(x, 1) * 4095 + .5f) : 0];
-    }
-    IGI_TRY_GOTO(igi_image_encode_png(g->ctx, pixels, map->width, map->height, 3, &png, &size));
+    size_t size, offset;
+    int view;
+    uint8_t *png = NULL;
+    IGI_TRY_GOTO(igi_export_png(g->ctx, map, g->materials->bands, &png, &size));
     IGI_TRY_GOTO(igi_glb_add_view(g, size, 0, &offset, &view));
     memcpy(g->bytes + offset, png, size);
     *texture = (int)json_array_size(g->textures);
@@ -44,7 +31,6 @@ static igi_status add_texture(igi_glb *g, const igi_image *map, int *texture)
     if (bad) IGI_TRY_GOTO(igi_glb_full(g));
 cleanup:
     igi_image_free_bytes(png);
-    igi_free(pixels);
     return status;
 }
 
@@ -111,8 +97,7 @@ static int add_child(igi_glb *g, json_t *node)
 static igi_status add_region(igi_glb *g, size_t region)
 {
     const igi_material *m = &g->materials->materials[region];
-    bool textured = m->map && m->textured && g->scene->mesh.uvs &&
-                    g->scene->regions[region].has_uvs && !m->emitter;
+    bool textured = igi_export_is_textured(g->scene, m, region);
     IGI_TRY(add_material(g, region, textured));
     json_t *primitive = NULL;
     IGI_TRY(igi_glb_add_primitive(g, region, textured, &primitive));
@@ -242,19 +227,50 @@ static igi_status fill(igi_glb *g)
     return json_array_append_new(g->nodes, root) ? igi_glb_full(g) : IGI_OK;
 }
 
+/* The same scene with texture coordinates for every textured region. */
+static igi_status complete_uvs(igi_context *ctx, const igi_materials *materials,
+                               const igi_scene *scene, igi_scene *full)
+{
+    igi_status status = IGI_OK;
+    size_t triangles = scene->mesh.triangle_count;
+    *full = *scene;
+    full->regions = NULL;
+    full->mesh.uvs = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &full->regions));
+    memcpy(full->regions, scene->regions, scene->region_count * sizeof *full->regions);
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 6 * triangles, &full->mesh.uvs));
+    if (scene->mesh.uvs)
+        memcpy(full->mesh.uvs, scene->mesh.uvs, 6 * triangles * sizeof *full->mesh.uvs);
+    for (uint32_t r = 0; r < scene->region_count; r++) {
+        igi_region *region = &full->regions[r];
+        const igi_material *m = &materials->materials[r];
+        region->has_uvs &= scene->mesh.uvs != NULL;
+        if (region->has_uvs || m->emitter || !m->textured || !m->map) continue;
+        IGI_TRY_GOTO(igi_atlas_fill(ctx, &scene->mesh, r, full->mesh.uvs));
+        region->has_uvs = true;
+        region->uvs_wrap = false;
+    }
+cleanup:
+    return status;
+}
+
 igi_status igi_materials_save_glb(igi_context *ctx, const igi_materials *materials,
                                   const igi_scene *scene, const char *path)
 {
-    igi_glb g = {.ctx = ctx, .materials = materials, .scene = scene, .positions = -1};
+    igi_scene full = {0};
+    igi_glb g = {.ctx = ctx, .materials = materials, .scene = &full, .positions = -1};
     json_t **arrays[] = {&g.views,    &g.accessors, &g.meshes, &g.nodes,   &g.material_list,
                          &g.textures, &g.images,    &g.lights, &g.children};
     if (materials->count != scene->region_count)
         return igi_fail(ctx, IGI_E_USAGE, "scene.glb: %zu materials for %zu regions",
                         materials->count, scene->region_count);
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) *arrays[i] = json_array();
-    igi_status status = fill(&g);
+    igi_status status = complete_uvs(ctx, materials, scene, &full);
+    if (status == IGI_OK) status = fill(&g);
     if (status == IGI_OK) status = write_file(&g, path);
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) json_decref(*arrays[i]);
     igi_free(g.bytes);
+    igi_free(full.regions);
+    igi_free(full.mesh.uvs);
     return status;
 }

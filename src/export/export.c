@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What is exported, where to, and how: one way for all formats.
+ */
+#include "export/export_private.h"
+#include "material/result.h"
+#include "scene/file_text.h"
+
+#include <igi/output.h>
+
+#include <errno.h>
+#include <jansson.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct format {
+    const char *name;
+    igi_status (*write)(const igi_exporter *e); /* NULL: glTF, which is one file */
+} format;
+
+static const format formats[] = {
+    [IGI_EXPORT_GLB] = {"glb", NULL},
+    [IGI_EXPORT_OBJ] = {"obj", igi_write_obj},
+    [IGI_EXPORT_MITSUBA] = {"mitsuba", igi_write_mitsuba},
+    [IGI_EXPORT_PBRT] = {"pbrt", igi_write_pbrt},
+    [IGI_EXPORT_RADIANCE] = {"radiance", igi_write_radiance},
+};
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+const char *igi_export_format_name(igi_export_format f)
+{
+    return (size_t)f < FORMATS ? formats[f].name : "unknown";
+}
+
+bool igi_export_format_from_name(const char *name, igi_export_format *f)
+{
+    for (size_t i = 0; i < FORMATS; i++)
+        if (strcmp(name, formats[i].name) == 0) {
+            *f = (igi_export_format)i;
+            return true;
+        }
+    return false;
+}
+
+void igi_export_options_init(igi_export_options *options)
+{
+    *options = (igi_export_options){.struct_size = sizeof *options, .format = IGI_EXPORT_GLB};
+}
+
+void igi_export_rgb(const double *value, int bands, double rgb[3])
+{
+    for (int k = 0; k < 3; k++) rgb[k] = value[k < bands ? k : bands - 1];
+}
+
+bool igi_export_is_textured(const igi_scene *scene, const igi_material *m, size_t region)
+{
+    return m->map && m->textured && !m->emitter && scene->mesh.uvs &&
+           scene->regions[region].has_uvs;
+}
+
+/* The cameras' file stands after scene.json and the mesh among what recovery has read. */
+static igi_status find_cameras(igi_context *ctx, const char *folder, char **path)
+{
+    igi_status status = IGI_OK;
+    char *manifest = NULL, *beside = NULL;
+    json_t *root = NULL;
+    IGI_TRY_GOTO(igi_path_join(ctx, folder, "manifest.json", &manifest));
+    IGI_TRY_GOTO(igi_path_join(ctx, folder, "../transforms.json", &beside));
+    root = json_load_file(manifest, 0, NULL);
+    const json_t *third = json_array_get(json_object_get(root, "inputs"), 2);
+    const char *named = json_string_value(json_object_get(third, "path"));
+    if (!root && igi_file_exists(beside)) named = beside; /* of a truth */
+    if (named && (igi_file_exists(named) || igi_is_folder(named)))
+        IGI_TRY_GOTO(igi_strdup(ctx, named, path));
+    else igi_warn(ctx, "no cameras are exported: give their file with --cameras");
+cleanup:
+    json_decref(root);
+    igi_free(manifest);
+    igi_free(beside);
+    return status;
+}
+
+/* The main file lies in the folder until both are moved to their places. */
+static igi_status write_files(igi_exporter *e, const format *f, const char *part)
+{
+    e->file = fopen(part, "w");
+    igi_status status = e->file ? f->write(e) : IGI_OK;
+    bool written = e->file && !ferror(e->file);
+    if (e->file && fclose(e->file) != 0) written = false;
+    if (status == IGI_OK && !written)
+        return igi_fail(e->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk", part,
+                        strerror(errno));
+    return status;
+}
+
+static igi_status move(igi_context *ctx, const char *from, const char *to)
+{
+    if (rename(from, to) == 0) return IGI_OK;
+    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
+                    to, strerror(errno));
+}
+
+/* path "a/room.xml": folder "a/room.xml_files", which the file calls "room.xml_files". */
+static igi_status name_folder(igi_context *ctx, const char *path, char **folder, char **files)
+{
+    const char *slash = strrchr(path, '/');
+    IGI_TRY(igi_strprintf(ctx, folder, "%s_files", path));
+    return igi_strprintf(ctx, files, "%s_files", slash ? slash + 1 : path);
+}
+
+static igi_status write_with_folder(igi_exporter *e, const format *f, const char *input,
+                                    const igi_export_options *options, const char *path)
+{
+    igi_status status = IGI_OK;
+    char *folder = NULL, *files = NULL, *part = NULL;
+    igi_output *output = NULL;
+    const char *inputs[2];
+    igi_manifest manifest = {.command = options->command ? options->command : "", .inputs = inputs};
+    if (options->lights) inputs[manifest.input_count++] = options->lights;
+    if (options->cameras) inputs[manifest.input_count++] = options->cameras;
+    IGI_TRY_GOTO(name_folder(e->ctx, path, &folder, &files));
+    IGI_TRY_GOTO(igi_output_begin(e->ctx, folder, false, input, &output));
+    e->folder = igi_output_folder(output);
+    e->files = files;
+    IGI_TRY_GOTO(igi_strprintf(e->ctx, &part, "%s.file", e->folder));
+    IGI_TRY_GOTO(write_files(e, f, part));
+    IGI_TRY_GOTO(igi_manifest_save(e->ctx, &manifest, e->folder));
+    IGI_TRY_GOTO(igi_output_commit(e->ctx, output));
+    IGI_TRY_GOTO(move(e->ctx, part, path));
+cleanup:
+    if (status != IGI_OK && part) unlink(part);
+    igi_output_destroy(output);
+    igi_free(folder);
+    igi_free(files);
+    igi_free(part);
+    return status;
+}
+
+static igi_status write_glb(igi_exporter *e, const char *path)
+{
+    char *part = NULL;
+    IGI_TRY(igi_strprintf(e->ctx, &part, "%s.%ld.part", path, (long)getpid()));
+    igi_status status = igi_materials_save_glb(e->ctx, e->materials, e->scene, part);
+    if (status == IGI_OK) status = move(e->ctx, part, path);
+    if (status != IGI_OK) unlink(part);
+    igi_free(part);
+    return status;
+}
+
+igi_status igi_export(igi_context *ctx, const char *folder, const igi_export_options *options,
+                      const char *path)
+{
+    igi_status status = IGI_OK;
+    igi_scene *scene = NULL;
+    igi_materials *materials = NULL;
+    igi_light *lights = NULL;
+    igi_frame *frames = NULL;
+    char *found = NULL;
+    size_t light_count = 0, frame_count = 0;
+    const format *f = &formats[options->format];
+    igi_stage_begin(ctx, "export");
+    IGI_TRY_GOTO(igi_result_load(ctx, folder, &scene, &materials));
+    igi_materials lit = *materials; /* borrows all but perhaps the lights */
+    if (options->lights) {
+        IGI_TRY_GOTO(igi_lights_load(ctx, scene, options->lights, &lights, &light_count));
+        lit.lights = lights;
+        lit.light_count = light_count;
+    }
+    bool shows = f->write && options->format != IGI_EXPORT_OBJ; /* it knows cameras */
+    if (shows && !options->cameras) IGI_TRY_GOTO(find_cameras(ctx, folder, &found));
+    const char *cameras = options->cameras ? options->cameras : found;
+    if (cameras) IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &frame_count));
+    igi_exporter e = {.ctx = ctx,
+                      .scene = scene,
+                      .materials = &lit,
+                      .frames = frames,
+                      .frame_count = frame_count};
+    status = f->write ? write_with_folder(&e, f, folder, options, path) : write_glb(&e, path);
+cleanup:
+    igi_stage_begin(ctx, NULL);
+    igi_frames_destroy(frames, frame_count);
+    igi_lights_destroy(lights, light_count);
+    igi_materials_destroy(materials);
+    igi_scene_destroy(scene);
+    igi_free(found);
+    return status;
+}

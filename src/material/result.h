@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What relighting and export start from.
+ */
+#ifndef IGI_SRC_MATERIAL_RESULT_H
+#define IGI_SRC_MATERIAL_RESULT_H
+
+#include "base/context.h"
+
+#include <igi/material.h>
+
+/* The mesh and the materials of a folder that recovery wrote, or of a scene's truth: one material a
+ * region, in the scene's order; emitters are marked, area lights name the scene's regions. The scene
+ * has neither lights nor frames. */
+IGI_MUST_USE igi_status igi_result_load(igi_context *ctx, const char *folder, igi_scene **scene,
+                                        igi_materials **materials);
+
+#endif
