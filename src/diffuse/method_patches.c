@@ -11,6 +11,8 @@
  * L of an unseen side is rho_r E_i / pi. Sweeps over both until they settle: the fixed point of
  * (I - rho F) b = e restricted to the unseen, which contracts by rho times the unseen share.
  *
+ * Lights whose value nobody knows are solved for in each sweep: see powers.h.
+ *
  * Uncertainty: the residuals d_i = pi L_i - rho E_i hold the noise of photographs and of sampling
  * alike. Neighbours share errors (a shadow edge, a bright hit), so residuals are summed over cells
  * of a coarse grid before they are squared (a cluster-robust sandwich; White 1980, Liang & Zeger
@@ -18,6 +20,7 @@
  */
 #include "diffuse/methods.h"
 
+#include "diffuse/powers.h"
 #include "diffuse/region_sums.h"
 
 #define DEFAULT_RAYS 64
@@ -39,6 +42,8 @@ typedef struct solver {
     float *irradiance; /* [rows][bands] */
     igi_places places; /* of the seen rows */
     double (*albedo)[IGI_MAX_BANDS];
+    igi_powers *powers; /* of lights whose value is solved for; NULL: none is */
+    const igi_correction *correction;
 } solver;
 
 static void gather_row(const solver *s, size_t row)
@@ -63,13 +68,36 @@ static double update_unseen(const solver *s, size_t row)
     return change;
 }
 
+/* Irradiance of the lamps and the lobes. */
+static void fill_direct(const solver *s)
+{
+    for (size_t i = 0; i < s->rows->count; i++) {
+        float *direct = s->direct + i * s->bands;
+        igi_row_direct(s->rows, i, s->problem->lights, (int)s->bands, direct);
+        for (size_t b = 0; s->correction && b < s->bands; b++)
+            direct[b] += s->correction->received[i * s->bands + b];
+    }
+}
+
+/* The lights' values for what the rows gathered; relative change, times ALBEDO_COUNTS. */
+static double solve_powers(const solver *s)
+{
+    if (!s->powers) return 0;
+    double change = igi_powers_step(s->powers, &s->places) * ALBEDO_COUNTS;
+    for (size_t i = 0; i < s->rows->seen_count * s->bands; i++) s->irradiance[i] -= s->direct[i];
+    fill_direct(s);
+    for (size_t i = 0; i < s->rows->seen_count * s->bands; i++) s->irradiance[i] += s->direct[i];
+    return change;
+}
+
 /* One sweep of Gauss and Seidel; the largest relative change of a radiance, or ALBEDO_COUNTS times
  * that of an albedo. */
 static double sweep(const solver *s, igi_region_sums *sums)
 {
     const igi_rows *r = s->rows;
     for (size_t i = 0; i < r->seen_count; i++) gather_row(s, i);
-    double change = igi_region_sums_albedo(sums, &s->places, s->albedo) * ALBEDO_COUNTS;
+    double change = solve_powers(s);
+    change = fmax(change, igi_region_sums_albedo(sums, &s->places, s->albedo) * ALBEDO_COUNTS);
     for (size_t i = r->seen_count; i < r->count; i++) {
         gather_row(s, i);
         change = fmax(change, update_unseen(s, i));
@@ -77,24 +105,13 @@ static double sweep(const solver *s, igi_region_sums *sums)
     return change;
 }
 
-/* Irradiance that no sweep changes: of the lamps, and of the lobes. */
-static void fill_direct(const solver *s, const igi_correction *correction)
-{
-    for (size_t i = 0; i < s->rows->count; i++) {
-        float *direct = s->direct + i * s->bands;
-        igi_row_direct(s->rows, i, s->problem->lights, (int)s->bands, direct);
-        for (size_t b = 0; correction && b < s->bands; b++)
-            direct[b] += correction->received[i * s->bands + b];
-    }
-}
-
 /* What was seen, less the lobes' part of it. */
-static void fill_seen(const solver *s, const igi_correction *correction)
+static void fill_seen(const solver *s)
 {
     for (size_t i = 0; i < s->rows->seen_count; i++)
         for (size_t b = 0; b < s->bands; b++) {
             size_t k = s->rows->side[i] * s->bands + b;
-            s->radiance[k] = s->problem->seen[k] - (correction ? correction->seen[k] : 0);
+            s->radiance[k] = s->problem->seen[k] - (s->correction ? s->correction->seen[k] : 0);
             s->places.radiance[i * s->bands + b] = s->radiance[k];
         }
 }
@@ -108,22 +125,26 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
                 .rows = diffuse->rows,
                 .bands = (size_t)problem->bands,
                 .radiance = diffuse->radiance,
-                .albedo = diffuse->albedo};
+                .albedo = diffuse->albedo,
+                .correction = correction};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.direct));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.irradiance));
     IGI_TRY_GOTO(igi_places_create(ctx, problem, s.rows, s.irradiance, &s.places));
     diffuse->received = correction ? correction->received : NULL;
-    fill_direct(&s, correction);
-    fill_seen(&s, correction);
+    fill_direct(&s);
+    fill_seen(&s);
     IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));
+    IGI_TRY_GOTO(igi_powers_create(ctx, problem, s.rows, &s.places, &s.powers));
     for (int i = 0; i < MAX_SWEEPS; i++)
         if (sweep(&s, sums) < SETTLED) break;
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &s.places, diffuse));
+    IGI_TRY_GOTO(igi_powers_finish(ctx, s.powers, &s.places, diffuse));
 cleanup:
     igi_free(s.direct);
     igi_free(s.irradiance);
     igi_places_clear(&s.places);
     igi_region_sums_destroy(sums);
+    igi_powers_destroy(s.powers);
     return status;
 }
 

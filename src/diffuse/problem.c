@@ -156,6 +156,7 @@ static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
     size_t count = p->scene->light_count;
     IGI_TRY(IGI_ALLOC(ctx, count, &p->lights));
     IGI_TRY(IGI_ALLOC(ctx, count, &p->light_std));
+    IGI_TRY(IGI_ALLOC(ctx, count, &p->solved));
     for (size_t l = 0; l < count; l++) {
         p->lights[l] = p->scene->lights[l];
         lamp_side sides[2] = {{{0}, {0}, 0}, {{0}, {0}, 0}};
@@ -164,11 +165,13 @@ static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
         if (is_lamp) IGI_TRY(check_lamp(ctx, p, &p->lights[l], sides));
         if (p->lights[l].known) continue;
         if (is_lamp) read_lamp(p, &sides[0], &p->lights[l], p->light_std[l]);
-        if (!p->lights[l].known)
+        p->solved[l] = !p->lights[l].known;
+        if (p->solved[l] && p->options->method != IGI_METHOD_PATCHES)
             return igi_fail(ctx, IGI_E_NO_ANSWER,
                             "lights[%zu]: its value is not given and no photograph shows it; give "
-                            "\"%s\", or add a photograph of it",
-                            l, p->lights[l].type == IGI_LIGHT_AREA ? "radiance" : "intensity");
+                            "it, add a photograph of it, or take the method that solves for it "
+                            "(patches)",
+                            l);
     }
     return igi_lighting_create(ctx, p->scene, p->lights, count, &p->lighting);
 }
@@ -205,6 +208,7 @@ void igi_problem_destroy(igi_problem *problem)
     igi_lighting_destroy(problem->lighting);
     igi_free(problem->lights);
     igi_free(problem->light_std);
+    igi_free(problem->solved);
     igi_free(problem->site_begin);
     igi_free(problem->order);
     igi_free(problem->seen);
@@ -259,5 +263,14 @@ void igi_diffuse_destroy(igi_diffuse *diffuse)
     igi_free(diffuse->determined);
     igi_free(diffuse->radiance);
     igi_rows_destroy(diffuse->rows);
+    igi_diffuse_forget_warnings(diffuse);
     igi_free(diffuse);
+}
+
+void igi_diffuse_forget_warnings(igi_diffuse *diffuse)
+{
+    for (size_t i = 0; i < diffuse->warning_count; i++) igi_free(diffuse->warnings[i]);
+    igi_free(diffuse->warnings);
+    diffuse->warnings = NULL;
+    diffuse->warning_count = 0;
 }

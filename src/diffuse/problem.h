@@ -22,6 +22,8 @@ typedef struct igi_problem {
     igi_lighting *lighting;
     igi_light *lights; /* [scene->light_count] the scene's, with values read from the photographs */
     double (*light_std)[IGI_MAX_BANDS]; /* [scene->light_count] */
+    bool *solved; /* [scene->light_count] neither given nor seen: its value is solved for with the
+                     albedos, in `lights` and `light_std`; 0 and not known where it cannot be */
     int bands;
 
     size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */
@@ -71,10 +73,13 @@ typedef struct igi_diffuse {
     const float *received; /* [rows][bands] irradiance that lobes add to the rows', or NULL; the
                               caller's */
     bool ignores_indirect; /* the method knows no light but the lamps' */
+    size_t warning_count;
+    char **warnings; /* what was not determined, and what would determine it: owned */
 } igi_diffuse;
 
 IGI_MUST_USE igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem,
                                            igi_diffuse **diffuse);
 void igi_diffuse_destroy(igi_diffuse *diffuse);
+void igi_diffuse_forget_warnings(igi_diffuse *diffuse);
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * With residuals d_i = pi L_i - rho E_i, summed over clusters c of neighbouring places,
- *     var(rho) = n/(n-1) sum_c (sum_{i in c} w_i d_i)^2 / (sum_i w_i E_i)^2,   n clusters,
- * the sandwich of a ratio estimator that allows errors to be alike within a cluster.
+ * With residuals d_i = pi L_i - rho E_i, summed over cells c of neighbouring places,
+ *     var(rho) = n/(n-1) sum_c (sum_{i in c} w_i d_i)^2 / (sum_i w_i E_i)^2,   n cells,
+ * the sandwich of a ratio estimator that allows errors to be alike within a cell.
  */
 #include "diffuse/region_sums.h"
 
+#include "diffuse/cells.h"
+
 #include <string.h>
 
-/* Side of a cluster in patches. */
-#define CLUSTER_PATCHES 6
 /* What is said of a region that nothing determines: anything in 0..1 may be true. */
 #define UNKNOWN_STD 0.3
 
@@ -129,81 +129,50 @@ double igi_region_sums_albedo(igi_region_sums *sums, const igi_places *places,
     return change;
 }
 
-typedef struct cluster {
-    uint32_t region; /* UINT32_MAX: the slot is empty */
-    int32_t cell[3];
-    double residual[IGI_MAX_BANDS];
-} cluster;
-
-static cluster *find_cluster(cluster *table, size_t slots, uint32_t region, const int32_t cell[3])
-{
-    uint64_t h = igi_hash64(((uint64_t)(uint32_t)cell[0] << 32 | (uint32_t)cell[1]) ^
-                            igi_hash64((uint64_t)(uint32_t)cell[2] << 32 | region));
-    for (size_t i = h & (slots - 1);; i = (i + 1) & (slots - 1)) {
-        cluster *c = &table[i];
-        if (c->region == UINT32_MAX) {
-            *c = (cluster){.region = region, .cell = {cell[0], cell[1], cell[2]}};
-            return c;
-        }
-        if (c->region == region && c->cell[0] == cell[0] && c->cell[1] == cell[1] &&
-            c->cell[2] == cell[2])
-            return c;
-    }
-}
-
-static igi_status make_clusters(igi_context *ctx, const igi_region_sums *s,
-                                const igi_places *places, double (*albedo)[IGI_MAX_BANDS],
-                                cluster **table, size_t *slots)
+/* Residuals of each cell: [cells][bands]. */
+static void add_residuals(const igi_region_sums *s, const igi_places *places,
+                          const igi_cells *cells, double (*albedo)[IGI_MAX_BANDS], double *residual)
 {
     size_t bands = (size_t)s->problem->bands;
-    float side = CLUSTER_PATCHES * s->problem->patches->size_m;
-    *slots = 64;
-    while (*slots < 2 * places->count) *slots *= 2;
-    IGI_TRY(IGI_ALLOC(ctx, *slots, table));
-    for (size_t i = 0; i < *slots; i++) (*table)[i].region = UINT32_MAX;
     for (size_t i = 0; i < places->count; i++) {
-        if (places->weight[i] <= 0) continue;
-        int32_t cell[3];
-        for (int k = 0; k < 3; k++)
-            cell[k] = (int32_t)floorf(places->point[3 * i + (size_t)k] / side);
-        cluster *c = find_cluster(*table, *slots, places->region[i], cell);
+        uint32_t cell = cells->of_place[i];
+        if (cell == IGI_NO_CELL) continue;
         for (size_t b = 0; b < bands; b++)
-            c->residual[b] += (double)places->weight[i] *
-                              (IGI_PI * (double)places->radiance[i * bands + b] -
-                               albedo[c->region][b] * (double)places->irradiance[i * bands + b]);
+            residual[cell * bands + b] += (double)places->weight[i] *
+                                          (IGI_PI * (double)places->radiance[i * bands + b] -
+                                           albedo[cells->region[cell]][b] *
+                                               (double)places->irradiance[i * bands + b]);
     }
-    return IGI_OK;
 }
 
 igi_status igi_region_sums_std(igi_context *ctx, igi_region_sums *sums, const igi_places *places,
                                igi_diffuse *diffuse)
 {
-    cluster *table = NULL;
-    size_t slots = 0, regions = sums->problem->scene->region_count;
-    uint32_t *clusters = NULL;
+    igi_cells cells = {0};
+    double *residual = NULL;
+    size_t regions = sums->problem->scene->region_count, bands = (size_t)sums->problem->bands;
     igi_status status = IGI_OK;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &clusters));
     add_up(sums, places);
-    IGI_TRY_GOTO(make_clusters(ctx, sums, places, diffuse->albedo, &table, &slots));
+    IGI_TRY_GOTO(igi_cells_create(ctx, sums->problem, places, &cells));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, cells.count * bands, &residual));
+    add_residuals(sums, places, &cells, diffuse->albedo, residual);
     for (size_t r = 0; r < regions; r++)
-        for (int b = 0; b < sums->problem->bands; b++) diffuse->albedo_std[r][b] = 0;
-    for (size_t i = 0; i < slots; i++) {
-        if (table[i].region == UINT32_MAX) continue;
-        clusters[table[i].region]++;
-        for (int b = 0; b < sums->problem->bands; b++)
-            diffuse->albedo_std[table[i].region][b] += table[i].residual[b] * table[i].residual[b];
-    }
+        for (size_t b = 0; b < bands; b++) diffuse->albedo_std[r][b] = 0;
+    for (size_t i = 0; i < cells.count; i++)
+        for (size_t b = 0; b < bands; b++)
+            diffuse->albedo_std[cells.region[i]][b] += residual[i * bands + b] *
+                                                       residual[i * bands + b];
     for (size_t r = 0; r < regions; r++) {
         diffuse->determined[r] = is_determined(sums, r);
-        double n = (double)clusters[r];
-        for (int b = 0; b < sums->problem->bands; b++) {
+        double n = (double)cells.of_region[r];
+        for (size_t b = 0; b < bands; b++) {
             double received = sums->received[r][b], *std = &diffuse->albedo_std[r][b];
             *std = received > 0 && n > 1 ? sqrt(n / (n - 1) * *std) / received : UNKNOWN_STD;
             if (sums->problem->scene->regions[r].emitter) *std = 0;
         }
     }
 cleanup:
-    igi_free(table);
-    igi_free(clusters);
+    igi_cells_clear(&cells);
+    igi_free(residual);
     return status;
 }

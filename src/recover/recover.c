@@ -144,6 +144,11 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
         IGI_TRY_GOTO(igi_strdup(ctx, p->observations->warnings[i], &sentence));
         IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
     }
+    for (size_t i = 0; i < d->warning_count; i++) {
+        char *sentence;
+        IGI_TRY_GOTO(igi_strdup(ctx, d->warnings[i], &sentence));
+        IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
+    }
     *materials = m;
     m = NULL;
 cleanup:
