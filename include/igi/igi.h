@@ -12,6 +12,7 @@
 #include <igi/hdr.h>
 #include <igi/scene.h>
 #include <igi/lens.h>
+#include <igi/register.h>
 #include <igi/material.h>
 #include <igi/recover.h>
 #include <igi/export.h>

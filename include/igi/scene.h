@@ -104,6 +104,10 @@ IGI_API void igi_scene_destroy(igi_scene *scene);
  * *frames is the caller's, to be freed with igi_frames_destroy. */
 IGI_API IGI_MUST_USE igi_status igi_frames_load(igi_context *context, const char *path,
                                                 igi_frame **frames, size_t *count);
+/* Writes cameras as a transforms.json that igi_frames_load reads, each with its own intrinsics. The
+ * images are named relative to the file where they lie below its folder. */
+IGI_API IGI_MUST_USE igi_status igi_frames_save(igi_context *context, const igi_frame *frames,
+                                                size_t count, const char *path);
 IGI_API void igi_frames_destroy(igi_frame *frames, size_t count);
 
 /* Reads a file { "lights": [...] } as under relit/: the lights that are on. Regions are looked up

@@ -17,13 +17,13 @@ typedef struct cli_values {
     const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
         *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
-        *cache, *peer;
+        *cache, *peer, *points;
     double samples, seeds;
     const char *to; /* export */
-    double square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
+    double search, square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos,
-        small, relit;
+        small, relit, together;
 } cli_values;
 
 /* One bit a command, for the table of options. */

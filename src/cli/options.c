@@ -29,7 +29,7 @@ typedef struct option {
 static const option options[] = {
     {"output", 'o', TEXT,
      CLI_RECOVER | CLI_SYNTH | CLI_MERGE | CLI_CALIBRATE | CLI_CORRECT | CLI_RELIGHT | CLI_CHART |
-         CLI_EXPORT,
+         CLI_EXPORT | CLI_REGISTER,
      AT(output), "PATH", NULL, 0, 0, "where to write; it appears whole or not at all"},
     {"list", 0, TEXT, CLI_MERGE, AT(list), "FILE", NULL, 0, 0,
      "a line an image: NAME SECONDS [F-NUMBER [ISO]]; without it, EXIF"},
@@ -60,6 +60,12 @@ static const option options[] = {
      "vignetting from the overlapping images of a scene with known geometry"},
     {"calibration", 0, TEXT, CLI_CORRECT, AT(calibration), "FILE", NULL, 0, 0,
      "what igi calibrate wrote"},
+    {"points", 0, TEXT, CLI_REGISTER, AT(points), "FILE", NULL, 0, 0,
+     "points known in both frames, a line each: X Y Z of the cameras' X Y Z of the mesh's"},
+    {"together", 0, FLAG, CLI_REGISTER, AT(together), NULL, NULL, 0, 0,
+     "first move all cameras as one (turn, shift and scale); --points does so anyway"},
+    {"search", 0, REAL, CLI_REGISTER, AT(search), "PIXELS", "4", 2, 10,
+     "how far the photographs' edges may lie off the mesh's at the start"},
     {"truth", 0, TEXT, CLI_VALIDATE, AT(truth), "FOLDER", NULL, 0, 0,
      "the scene's truth folder, with truth.json"},
     {"tolerance", 0, REAL, CLI_VALIDATE, AT(tolerance), "E", "0", 0, MANY,

@@ -21,8 +21,8 @@ static void trace_pixels(const igi_tracer *tracer, const igi_camera *camera, igi
         }
 }
 
-static bool is_edge(const igi_scene *scene, const igi_tracer *tracer, const igi_hit *a,
-                    const igi_hit *b, float pixel_rad)
+bool igi_visible_is_edge(const igi_scene *scene, const igi_tracer *tracer, const igi_hit *a,
+                         const igi_hit *b, float pixel_rad)
 {
     if (a->triangle == b->triangle && a->back == b->back) return false;
     if (a->triangle == IGI_NO_HIT || b->triangle == IGI_NO_HIT) return true;
@@ -46,9 +46,9 @@ static void mark_beside_edges(const igi_scene *scene, const igi_tracer *tracer, 
         for (int x = 0; x < w; x++) {
             int i = y * w + x;
             const igi_hit *hit = &v->hits[i];
-            if (x + 1 < w && is_edge(scene, tracer, hit, hit + 1, pixel_rad))
+            if (x + 1 < w && igi_visible_is_edge(scene, tracer, hit, hit + 1, pixel_rad))
                 v->near_edge[i] = v->near_edge[i + 1] = 2;
-            if (y + 1 < h && is_edge(scene, tracer, hit, hit + w, pixel_rad))
+            if (y + 1 < h && igi_visible_is_edge(scene, tracer, hit, hit + w, pixel_rad))
                 v->near_edge[i] = v->near_edge[i + w] = 2;
         }
 }

@@ -19,6 +19,10 @@ typedef struct igi_visible {
 IGI_MUST_USE igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene,
                                            const igi_tracer *tracer, const igi_camera *camera,
                                            igi_visible *visible);
+/* Does an edge lie between what two neighbouring rays of a camera meet? pixel_rad: the angle between
+ * them. */
+bool igi_visible_is_edge(const igi_scene *scene, const igi_tracer *tracer, const igi_hit *a,
+                         const igi_hit *b, float pixel_rad);
 void igi_visible_clear(igi_visible *visible);
 
 #endif

@@ -45,6 +45,6 @@ done
 bash -c '. usr/share/bash-completion/completions/igi; PATH=$PWD/usr/bin:$PATH
 COMP_WORDS=(igi re) COMP_CWORD=1; _igi; echo "${COMPREPLY[@]}"
 COMP_WORDS=(igi recover --th) COMP_CWORD=2; _igi; echo "${COMPREPLY[@]}"' >completed 2>&1
-grep -q '^recover report relight$' completed || fail "completion: $(cat completed)"
+grep -q '^register recover report relight$' completed || fail "completion: $(cat completed)"
 grep -q '^--threads$' completed || fail "completion: $(cat completed)"
 finish

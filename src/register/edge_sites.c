@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Edges of the mesh as a camera sees them, and where the photograph has them.
+ *
+ * Two neighbouring pixels that show different surfaces have an edge between them; bisecting with
+ * rays finds it to a hundredth of a pixel, on this row and two rows away, which gives its slope. No
+ * edge of the mesh is looked at as such: outlines of round things count like creases, and of what is
+ * hidden nothing is known. A site is used where the block of pixels around shows these two surfaces
+ * alone, each on its side, so that nothing else can be mistaken for it; lamps are left out, whose
+ * light a lens scatters.
+ */
+#include "register/register_private.h"
+
+#include "base/context.h"
+#include "scene/camera.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Pixels beyond the reach that tell the level of a side. */
+#define LEVEL_PIXELS 4
+#define MOST_REACH 12
+#define MOST_PIXELS (2 * (MOST_REACH + LEVEL_PIXELS) + 2)
+#define SLOPE_ROWS 2
+#define STEEPEST 1.05
+#define BISECTIONS 7
+/* How far the three crossings may be off a line, pixels. */
+#define STRAIGHT .12
+/* Rows (columns) that are looked at in a photograph. */
+#define MOST_ROWS 400
+
+typedef struct finder {
+    const igi_scene *scene;
+    const igi_tracer *tracer;
+    const igi_camera *camera;
+    const igi_image *photo;
+    igi_vec centre;
+    float pixel_rad;
+    uint32_t *labels; /* [height][width] of connected surfaces */
+    const igi_visible *visible;
+    int axis; /* 0: along rows, 1: along columns */
+    double reach;
+    uint64_t rays;
+} finder;
+
+/* ---- surfaces: pixels joined where no edge lies between ---- */
+
+static uint32_t root_of(uint32_t *parents, uint32_t i)
+{
+    while (parents[i] != i) i = parents[i] = parents[parents[i]];
+    return i;
+}
+
+static void join(uint32_t *parents, uint32_t a, uint32_t b)
+{
+    a = root_of(parents, a);
+    b = root_of(parents, b);
+    if (a < b) parents[b] = a;
+    else parents[a] = b;
+}
+
+static void label_surfaces(finder *f)
+{
+    int w = f->visible->width, h = f->visible->height;
+    const igi_hit *hits = f->visible->hits;
+    for (int i = 0; i < w * h; i++) f->labels[i] = (uint32_t)i;
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++) {
+            int i = y * w + x;
+            if (x + 1 < w &&
+                !igi_visible_is_edge(f->scene, f->tracer, &hits[i], &hits[i + 1], f->pixel_rad))
+                join(f->labels, (uint32_t)i, (uint32_t)i + 1);
+            if (y + 1 < h &&
+                !igi_visible_is_edge(f->scene, f->tracer, &hits[i], &hits[i + w], f->pixel_rad))
+                join(f->labels, (uint32_t)i, (uint32_t)(i + w));
+        }
+    for (int i = 0; i < w * h; i++) f->labels[i] = root_of(f->labels, (uint32_t)i);
+}
+
+/* ---- one site ---- */
+
+/* The index of a pixel, `along` the axis and `across` it; SIZE_MAX outside. */
+static size_t pixel_at(const finder *f, int along, int across)
+{
+    int x = f->axis == 0 ? along : across, y = f->axis == 0 ? across : along;
+    if (x < 0 || y < 0 || x >= f->visible->width || y >= f->visible->height) return SIZE_MAX;
+    return (size_t)y * (size_t)f->visible->width + (size_t)x;
+}
+
+static igi_hit look(finder *f, double along, double across)
+{
+    double x = f->axis == 0 ? along : across, y = f->axis == 0 ? across : along;
+    f->rays++;
+    return igi_trace(f->tracer, f->centre, igi_camera_direction(f->camera, x, y));
+}
+
+static bool is_lamp(const finder *f, const igi_hit *hit)
+{
+    return hit->triangle != IGI_NO_HIT &&
+           f->scene->regions[f->scene->mesh.regions[hit->triangle]].emitter;
+}
+
+/* The edge between two pixels' centres; *nearer: the last hit of the nearer surface. */
+static double bisect(finder *f, int along, int across, igi_hit *nearer)
+{
+    double low = along + .5, high = along + 1.5;
+    igi_hit a = f->visible->hits[pixel_at(f, along, across)];
+    igi_hit b = f->visible->hits[pixel_at(f, along + 1, across)];
+    for (int i = 0; i < BISECTIONS; i++) {
+        double middle = (low + high) / 2;
+        igi_hit hit = look(f, middle, across + .5);
+        if (igi_visible_is_edge(f->scene, f->tracer, &a, &hit, f->pixel_rad)) {
+            high = middle;
+            if (!igi_visible_is_edge(f->scene, f->tracer, &hit, &b, f->pixel_rad)) b = hit;
+        } else {
+            low = middle;
+            a = hit;
+        }
+    }
+    *nearer = b.triangle == IGI_NO_HIT || (a.triangle != IGI_NO_HIT && a.distance < b.distance) ? a
+                                                                                                : b;
+    return (low + high) / 2;
+}
+
+/* The same edge some rows away: the pixel before it, or INT_MIN. */
+static bool find_again(const finder *f, int along, int across, const uint32_t sides[2], int *found)
+{
+    for (int d = 0; d <= 2 * SLOPE_ROWS + 1; d++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            size_t a = pixel_at(f, along + sign * d, across);
+            size_t b = pixel_at(f, along + sign * d + 1, across);
+            if (a == SIZE_MAX || b == SIZE_MAX) continue;
+            if (f->labels[a] != sides[0] || f->labels[b] != sides[1]) continue;
+            *found = along + sign * d;
+            return true;
+        }
+    return false;
+}
+
+/* The edge's place on this row, and its slope. */
+static bool trace_edge(finder *f, int along, int across, const uint32_t sides[2], double *place,
+                       double *slope, igi_hit *nearer)
+{
+    int there[2];
+    double crossing[2];
+    igi_hit ignored;
+    for (int k = 0; k < 2; k++)
+        if (!find_again(f, along, across + (k ? SLOPE_ROWS : -SLOPE_ROWS), sides, &there[k]))
+            return false;
+    if (abs(there[1] - there[0]) > 2 * SLOPE_ROWS * STEEPEST + 1) return false;
+    *place = bisect(f, along, across, nearer);
+    for (int k = 0; k < 2; k++)
+        crossing[k] = bisect(f, there[k], across + (k ? SLOPE_ROWS : -SLOPE_ROWS), &ignored);
+    *slope = (crossing[1] - crossing[0]) / (2 * SLOPE_ROWS);
+    return fabs(*slope) <= STEEPEST && fabs((crossing[0] + crossing[1]) / 2 - *place) < STRAIGHT;
+}
+
+/* Around the site there are these two surfaces alone, each on its side of the line. */
+static bool is_alone(const finder *f, int across, double place, double slope,
+                     const uint32_t sides[2], int first, int count)
+{
+    int rows = (int)ceil(f->reach);
+    for (int r = -rows; r <= rows; r++)
+        for (int k = first; k < first + count; k++) {
+            size_t at = pixel_at(f, k, across + r);
+            double off = k + .5 - (place + slope * r);
+            if (at == SIZE_MAX) return false;
+            if (fabs(off) < 1) {
+                if (f->labels[at] != sides[0] && f->labels[at] != sides[1]) return false;
+            } else if (f->labels[at] != sides[off > 0]) {
+                return false;
+            }
+        }
+    return true;
+}
+
+/* One number a pixel: how far its colour lies on the way from the one side's to the other's. */
+static bool project_colours(const finder *f, int first, int count, int across, double *y)
+{
+    const igi_image *image = f->photo;
+    int bands = f->scene->bands;
+    double way[IGI_MAX_BANDS] = {0}, length = 0;
+    const float *pixels[MOST_PIXELS];
+    for (int i = 0; i < count; i++)
+        pixels[i] = image->samples + pixel_at(f, first + i, across) * (size_t)image->channels;
+    for (int b = 0; b < bands; b++) {
+        for (int i = 0; i < LEVEL_PIXELS; i++)
+            way[b] += (double)pixels[count - 1 - i][b] - (double)pixels[i][b];
+        length += way[b] * way[b];
+    }
+    if (!(length > 0 && isfinite(length))) return false;
+    for (int i = 0; i < count; i++) {
+        y[i] = 0;
+        for (int b = 0; b < bands; b++) y[i] += (double)pixels[i][b] * way[b] / sqrt(length);
+    }
+    return true;
+}
+
+static igi_status add_site(igi_context *ctx, finder *f, int along, int across, edge_sites *sites)
+{
+    size_t here = pixel_at(f, along, across), next = pixel_at(f, along + 1, across);
+    const uint32_t sides[2] = {f->labels[here], f->labels[next]};
+    double place, slope, y[MOST_PIXELS], seen, sigma;
+    igi_hit nearer;
+    if (sides[0] == sides[1] || is_lamp(f, &f->visible->hits[here]) ||
+        is_lamp(f, &f->visible->hits[next]) ||
+        !trace_edge(f, along, across, sides, &place, &slope, &nearer))
+        return IGI_OK;
+    int wide = (int)ceil(f->reach + fabs(slope) / 2) + LEVEL_PIXELS;
+    int first = (int)floor(place) - wide, count = 2 * wide + 1;
+    if (count > MOST_PIXELS || !is_alone(f, across, place, slope, sides, first, count) ||
+        !project_colours(f, first, count, across, y) ||
+        !edge_profile_measure(y, count, place - first, f->reach, slope, &seen, &sigma))
+        return IGI_OK;
+    edge_site *grown = igi_grow(ctx, sites->sites, &sites->capacity, sites->count + 1,
+                                sizeof *grown);
+    if (!grown) return IGI_E_SYSTEM;
+    sites->sites = grown;
+    double norm = 1 / sqrt(1 + slope * slope);
+    edge_site *s = &grown[sites->count++];
+    int a = f->axis, b = 1 - f->axis;
+    s->point = igi_triangle_point(&f->scene->mesh, nearer.triangle, nearer.u, nearer.v);
+    s->seen[a] = seen + first;
+    s->seen[b] = across + .5;
+    s->normal[a] = norm;
+    s->normal[b] = -slope * norm;
+    s->offset = (seen + first - place) * norm;
+    s->sigma = sigma * norm;
+    return IGI_OK;
+}
+
+static igi_status scan(igi_context *ctx, finder *f, edge_sites *sites)
+{
+    int length = f->axis == 0 ? f->visible->width : f->visible->height;
+    int rows = f->axis == 0 ? f->visible->height : f->visible->width;
+    int step = (rows + MOST_ROWS - 1) / MOST_ROWS;
+    for (int across = step / 2; across < rows; across += step)
+        for (int along = 0; along + 1 < length; along++)
+            IGI_TRY(add_site(ctx, f, along, across, sites));
+    return IGI_OK;
+}
+
+igi_status edge_sites_find(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                           const igi_camera *camera, const igi_image *photo, double reach,
+                           edge_sites *sites)
+{
+    igi_status status = IGI_OK;
+    igi_visible visible = {0};
+    finder f = {.scene = scene,
+                .tracer = tracer,
+                .camera = camera,
+                .photo = photo,
+                .centre = igi_camera_centre(camera),
+                .pixel_rad = (float)(1 / camera->fl_x),
+                .visible = &visible,
+                .reach = fmin(reach, MOST_REACH - 1)};
+    IGI_TRY_GOTO(igi_visible_create(ctx, scene, tracer, camera, &visible));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)visible.width * (size_t)visible.height, &f.labels));
+    label_surfaces(&f);
+    for (f.axis = 0; f.axis < 2; f.axis++) IGI_TRY_GOTO(scan(ctx, &f, sites));
+cleanup:
+    igi_count_rays(ctx, f.rays);
+    igi_free(f.labels);
+    igi_visible_clear(&visible);
+    return status;
+}
