@@ -5,6 +5,8 @@
 #include "maps/compare.h"
 #include "diffuse/methods.h"
 #include "observe/faults.h"
+#include "observe/saturation.h"
+#include "recover/doubts.h"
 #include "specular/specular.h"
 #include "specular/yu99.h"
 
@@ -169,6 +171,7 @@ static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_d
     igi_field *field = known ? known : made;
     IGI_TRY_GOTO(igi_layout_create(ctx, problem->scene, &layout));
     IGI_TRY_GOTO(igi_maps_create(ctx, problem, field, layout, recovery->materials));
+    IGI_TRY_GOTO(igi_doubts_add(ctx, problem, field, recovery->materials));
     igi_stage_begin(ctx, "compare");
     IGI_TRY_GOTO(igi_compare(ctx, problem, field, layout, recovery));
 cleanup:
@@ -196,6 +199,7 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     igi_stage_begin(ctx, "agreement");
+    IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
     IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, observations));
     igi_stage_begin(ctx, "patches");
     float size = o.patch_m > 0 ? (float)o.patch_m

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Sentences for what the residuals say, and wider error bars for what they leave open: a common
+ * error e of the photographs against the lamps (their exposures, vignetting, the lamps' stated
+ * power) moves an albedo rho by about (1 - rho) e, since light between surfaces is measured with it.
+ */
+#include "recover/doubts.h"
+
+#include "recover/residuals.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Limits: several times what rooms show where nothing is wrong (igi chart stability). */
+#define LAMP_OFF 0.005
+#define LAMP_SIGMAS 6.0
+#define LAMP_WRONG 0.1 /* a lamp that is off by more is no small error of its value */
+#define FEWEST_LAMP_PIXELS 20
+#define MOST_ALBEDO 1.0
+#define TREND 0.015
+#define VIEWS_DIFFER 0.006
+#define VIEWS_DIFFER_TIMES 3.0 /* what the typical region has */
+#define VIGNETTING 0.008
+#define GLARE 0.0015
+#define CAMERA_SIGMAS 6.0
+#define CORNER_MEAN (1 / 3.0) /* of r^2 over a picture */
+#define FEWEST_SIDES 12
+
+static igi_status warn(igi_context *ctx, igi_materials *m, igi_material *region, char *sentence)
+{
+    return region ? igi_add_sentence(ctx, &region->warnings, &region->warning_count, sentence)
+                  : igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Median over the regions' surface; `pairs` is scratch. */
+static double median_over(const igi_residuals *r, size_t field, double (*pairs)[2])
+{
+    size_t n = 0;
+    double all = 0, below = 0;
+    for (size_t i = 0; i < r->region_count; i++) {
+        if (r->regions[i].sides < FEWEST_SIDES) continue;
+        memcpy(&pairs[n][0], (const char *)&r->regions[i] + field, sizeof(double));
+        pairs[n++][1] = r->regions[i].sides;
+        all += r->regions[i].sides;
+    }
+    qsort(pairs, n, sizeof *pairs, compare_doubles);
+    for (size_t i = 0; i < n; i++) {
+        below += pairs[i][1];
+        if (2 * below >= all) return pairs[i][0];
+    }
+    return 0;
+}
+
+static igi_status doubt_lights(igi_context *ctx, double trend, igi_materials *m)
+{
+    char *sentence;
+    if (trend < TREND) return IGI_OK;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "the lights do not explain the photographs: over a typical surface the "
+                          "light received is off by %.0f %% from end to end; check the lights' "
+                          "places, kinds and powers, and that none is missing",
+                          fmax(1, 200 * trend)));
+    return warn(ctx, m, NULL, sentence);
+}
+
+static igi_status doubt_camera(igi_context *ctx, const igi_residuals *r, igi_materials *m)
+{
+    char *sentence;
+    if (fabs(r->vignetting) > fmax(VIGNETTING, CAMERA_SIGMAS * r->vignetting_error)) {
+        IGI_TRY(igi_strprintf(ctx, &sentence,
+                              "the photographs are %.1f %% %s toward their corners: vignetting was "
+                              "left in, or taken out twice; igi calibrate --overlap, then igi "
+                              "correct",
+                              100 * fabs(r->vignetting),
+                              r->vignetting > 0 ? "darker" : "brighter"));
+        IGI_TRY(warn(ctx, m, NULL, sentence));
+    }
+    if (!(r->glare > fmax(GLARE, CAMERA_SIGMAS * r->glare_error))) return IGI_OK;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "%.1f %% of the light strays over the photographs (glare): dark places "
+                          "are brighter where the picture is; shade the lens from the lamps",
+                          100 * r->glare));
+    return warn(ctx, m, NULL, sentence);
+}
+
+static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, double typical,
+                               int bands, igi_materials *m, igi_material *region)
+{
+    char *sentence;
+    double most = 0, std = 0;
+    for (int b = 0; b < bands; b++)
+        if (region->albedo[b] > most) {
+            most = region->albedo[b];
+            std = region->albedo_std[b];
+        }
+    if (most > MOST_ALBEDO + 2 * std) {
+        IGI_TRY(
+            igi_strprintf(ctx, &sentence,
+                          "it reflects %.3g times the light that reaches it: a light is missing "
+                          "or too weak, or photographs and lights differ in unit",
+                          most));
+        IGI_TRY(warn(ctx, m, region, sentence));
+    }
+    if (region->model != IGI_LAMBERT ||
+        !(r->differ > fmax(VIEWS_DIFFER, VIEWS_DIFFER_TIMES * typical)))
+        return IGI_OK;
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "photographs of the same places differ by %.1f %%, more than of a diffuse "
+                      "surface: it shines, but no lobe could be fitted, or something moved; "
+                      "its albedo may be too high",
+                      100 * r->differ));
+    return warn(ctx, m, region, sentence);
+}
+
+/* What is seen of a lamp's front, mean over bands. */
+typedef struct lamp_view {
+    double mean, error, pixels; /* error: of the mean, one standard deviation */
+} lamp_view;
+
+static lamp_view look_at_lamp(const igi_problem *p, int region)
+{
+    const igi_observations *o = p->observations;
+    double sum = 0, squares = 0, n = 0;
+    for (size_t i = 0; i < o->count; i++) {
+        uint32_t surface = o->surface[i];
+        if ((int)p->scene->mesh.regions[igi_surface_triangle(surface)] != region ||
+            igi_surface_is_back(surface))
+            continue;
+        double x = 0;
+        for (int b = 0; b < p->bands; b++)
+            x += (double)o->radiance[i * (size_t)p->bands + (size_t)b] / p->bands;
+        sum += x;
+        squares += x * x;
+        n++;
+    }
+    if (n == 0) return (lamp_view){0, 0, 0};
+    return (lamp_view){sum / n, sqrt(fmax(0, squares / n - sum / n * sum / n) / n), n};
+}
+
+static double area_of(const igi_mesh *mesh, int region)
+{
+    double area = 0;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++)
+        if ((int)mesh->regions[t] == region) area += (double)igi_triangle_area(mesh, t);
+    return area;
+}
+
+/* *off: the mean over the lamps' light of what may be small errors of their values. */
+static igi_status doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials *m, double *off)
+{
+    double all = 0, sum = 0;
+    for (size_t l = 0; l < p->scene->light_count; l++) {
+        const igi_light *light = &p->scene->lights[l];
+        double stated = 0;
+        if (light->type != IGI_LIGHT_AREA || !light->known) continue;
+        lamp_view seen = look_at_lamp(p, light->region);
+        for (int b = 0; b < p->bands; b++) stated += light->value[b] / p->bands;
+        if (seen.pixels < FEWEST_LAMP_PIXELS || !(stated > 0)) continue;
+        double wrong = fabs(seen.mean / stated - 1),
+               power = stated * area_of(&p->scene->mesh, light->region);
+        all += power;
+        if (wrong < LAMP_WRONG) sum += power * wrong;
+        if (!(wrong > fmax(LAMP_OFF, LAMP_SIGMAS * seen.error / stated))) continue;
+        char *sentence;
+        IGI_TRY(igi_strprintf(ctx, &sentence,
+                              "lights[%zu]: the photographs show '%s' with %.4g times the radiance "
+                              "that is stated: one of them is wrong, by its unit or because the "
+                              "lamp is saturated; leave the radiance out to have it read",
+                              l, p->scene->regions[light->region].name, seen.mean / stated));
+        IGI_TRY(warn(ctx, m, NULL, sentence));
+    }
+    *off = all > 0 ? sum / all : 0;
+    return IGI_OK;
+}
+
+/* What the photographs of a place disagree about, and what all of them may share. Of a region with a
+ * lobe, the fit has seen to the former. */
+static void widen(const igi_region_residual *r, double common, int bands, igi_material *m)
+{
+    for (int b = 0; b < bands; b++) {
+        double rho = m->albedo[b], shared = common * fmax(0, 1 - rho);
+        double own = m->model == IGI_LAMBERT ? r->mean_error : 0;
+        m->albedo_std[b] = hypot(m->albedo_std[b], rho * hypot(own, shared));
+    }
+}
+
+igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_field *field,
+                          igi_materials *m)
+{
+    igi_status status = IGI_OK;
+    igi_residuals *r = NULL;
+    double(*pairs)[2] = NULL, lamps_off = 0;
+    bool *diffuse = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &pairs));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &diffuse));
+    for (size_t i = 0; i < m->count; i++)
+        diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
+    IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, diffuse, &r));
+    IGI_TRY_GOTO(doubt_lamps(ctx, p, m, &lamps_off));
+    IGI_TRY_GOTO(doubt_camera(ctx, r, m));
+    double trend = median_over(r, offsetof(igi_region_residual, trend), pairs);
+    IGI_TRY_GOTO(doubt_lights(ctx, trend, m));
+    double drift = r->drift / sqrt(fmax(1, (double)p->observations->frame_count));
+    double common = hypot(lamps_off, hypot(drift, CORNER_MEAN * r->vignetting));
+    double typical = median_over(r, offsetof(igi_region_residual, differ), pairs);
+    for (size_t i = 0; i < m->count; i++) {
+        igi_material *region = &m->materials[i];
+        if (region->emitter || !region->determined) continue;
+        widen(&r->regions[i], common, p->bands, region);
+        IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], typical, p->bands, m, region));
+    }
+cleanup:
+    igi_residuals_destroy(r);
+    igi_free(pairs);
+    igi_free(diffuse);
+    return status;
+}
