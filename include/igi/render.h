@@ -29,13 +29,28 @@ IGI_API IGI_MUST_USE igi_status igi_render(igi_context *context, const igi_scene
                                            const igi_render_options *options, igi_image **picture,
                                            igi_image **variance);
 
+typedef struct igi_relight_options {
+    size_t struct_size;
+    igi_render_options render;
+    const char *lights;  /* a file of the lights that are on; NULL: the scene's own */
+    double target_error; /* passes of render.samples go on until the mean standard deviation of a
+                          * pixel is this share of the mean pixel; 0: one pass (default) */
+    bool variance;       /* also NAME.variance.exr, the variance of each pixel's mean */
+    bool layers;         /* also NAME.layers.exr: albedo, direct (light that has met one surface at
+                          * most), indirect (the rest) and variance */
+    bool png;            /* also NAME.png, sRGB; one exposure for all: the first frame's 95th
+                          * percentile becomes .8 */
+    double *noise;       /* if not NULL: receives the noise of the noisiest frame, the mean standard
+                          * deviation of a pixel over the mean pixel; 0 when it is not known */
+} igi_relight_options;
+
+IGI_API void igi_relight_options_init(igi_relight_options *options);
+
 /* Writes a picture of each frame of `cameras` (a cameras' file) into the existing folder `output`,
  * named as its image, as OpenEXR: what `folder` holds, the result of a recovery or the truth of a
- * scene, under the lights of the file `lights`; NULL: its own. With `variance`, also NAME.variance.exr,
- * the variance of each pixel's mean. */
+ * scene. */
 IGI_API IGI_MUST_USE igi_status igi_relight(igi_context *context, const char *folder,
-                                            const char *lights, const char *cameras,
-                                            const igi_render_options *options, bool variance,
+                                            const char *cameras, const igi_relight_options *options,
                                             const char *output);
 
 #ifdef __cplusplus

@@ -4,14 +4,17 @@
  */
 #include "cli.h"
 
-static igi_status save_manifest(cli_session *s, const char *folder)
+static igi_status save_manifest(cli_session *s, const char *folder, double noise)
 {
     char command[4096], text[24][32];
     igi_setting settings[24];
     const char *inputs[2] = {s->values.cameras, s->values.lights};
     cli_command_line(s, command, sizeof command);
+    size_t count = cli_settings(s, settings, text, 23);
+    snprintf(text[count], sizeof text[count], "%.4g", noise);
+    settings[count] = (igi_setting){"noise reached", text[count]};
     igi_manifest manifest = {.command = command,
-                             .setting_count = cli_settings(s, settings, text, 24),
+                             .setting_count = count + 1,
                              .settings = settings,
                              .input_count = s->values.lights ? 2 : 1,
                              .inputs = inputs};
@@ -22,24 +25,32 @@ static igi_status run(cli_session *s)
 {
     const cli_values *values = &s->values;
     igi_output *output = NULL;
-    igi_render_options options;
+    igi_relight_options options;
+    double noise = 0;
     if (!values->output || !values->cameras) {
         fprintf(stderr, values->output ? "igi: relight: which views? give a file with --cameras\n"
                                        : "igi: relight: where to? give a folder with -o\n");
         return IGI_E_USAGE;
     }
-    igi_render_options_init(&options);
-    options.samples = (int)values->samples;
+    igi_relight_options_init(&options);
+    options.render.samples = (int)values->samples;
+    options.lights = values->lights;
+    options.target_error = values->target_error;
+    options.variance = values->variance;
+    options.layers = values->aov;
+    options.png = values->png;
+    options.noise = &noise;
     const char *folder = s->arguments[0];
     igi_status status = igi_output_begin(s->context, values->output, values->force, folder,
                                          &output);
     if (status == IGI_OK)
-        status = igi_relight(s->context, folder, values->lights, values->cameras, &options,
-                             values->variance, igi_output_folder(output));
-    if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output));
+        status = igi_relight(s->context, folder, values->cameras, &options,
+                             igi_output_folder(output));
+    if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output), noise);
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     cli_progress_clear(&s->progress);
-    if (status == IGI_OK && !values->quiet) printf("%s: written\n", values->output);
+    if (status == IGI_OK && !values->quiet)
+        printf("%s: written; noise %.3g %% of the mean pixel\n", values->output, 100 * noise);
     igi_output_destroy(output);
     return status;
 }
@@ -54,6 +65,8 @@ const cli_command cli_relight = {
         "igi relight room.out --lights evening.json --cameras room/transforms.json -o evening",
     .details =
         "OUT is what `igi recover` wrote, or a scene's truth folder. DIR receives an EXR for\n"
-        "each frame of T.json, named as its image. An emitter that L.json leaves out is dark.",
+        "each frame of T.json, named as its image. An emitter that L.json leaves out is dark.\n"
+        "With --target-error, --samples is the size of a pass: passes follow until the mean\n"
+        "standard deviation of a pixel is that share of the mean pixel.",
     .run = run,
 };

@@ -62,9 +62,6 @@ igi_blend igi_export_blend(const igi_exporter *e, size_t region);
 /* Index of refraction whose reflectance at normal incidence is f0. */
 double igi_export_index(double f0);
 
-/* An image of the first three bands. PNG: sRGB, to be freed with igi_image_free_bytes. */
-IGI_MUST_USE igi_status igi_export_png(igi_context *ctx, const igi_image *map, int bands,
-                                       uint8_t **png, size_t *size);
 typedef enum igi_picture { IGI_PICTURE_PNG, IGI_PICTURE_EXR, IGI_PICTURE_HDR } igi_picture;
 /* FOLDER/NAME.png, .exr or .hdr of the map times `scale` (PNG: 1); NAME is the region's. */
 IGI_MUST_USE igi_status igi_export_texture(const igi_exporter *e, size_t region, igi_picture format,

@@ -8,6 +8,7 @@
  * texture coordinates at the top left: a node turns our Z up, and v becomes 1 - v.
  */
 #include "export/gltf_private.h"
+#include "image/srgb.h"
 #include "scene/atlas.h"
 
 #include <errno.h>
@@ -21,7 +22,7 @@ static igi_status add_texture(igi_glb *g, const igi_image *map, int *texture)
     size_t size, offset;
     int view;
     uint8_t *png = NULL;
-    IGI_TRY_GOTO(igi_export_png(g->ctx, map, g->materials->bands, &png, &size));
+    IGI_TRY_GOTO(igi_srgb_png(g->ctx, map, g->materials->bands, 1, &png, &size));
     IGI_TRY_GOTO(igi_glb_add_view(g, size, 0, &offset, &view));
     memcpy(g->bytes + offset, png, size);
     *texture = (int)json_array_size(g->textures);

@@ -4,35 +4,13 @@
  * each component within half a per cent; Ward, "Real pixels", 1991).
  */
 #include "export/export_private.h"
+#include "image/srgb.h"
 #include "light/sky.h"
 #include "scene/file_text.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
-
-static double srgb(double x)
-{
-    x = fmin(fmax(x, 0), 1);
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-}
-
-igi_status igi_export_png(igi_context *ctx, const igi_image *map, int bands, uint8_t **png,
-                          size_t *size)
-{
-    size_t texels = (size_t)map->width * (size_t)map->height;
-    uint8_t *pixels, table[4096];
-    for (int i = 0; i < 4096; i++) table[i] = (uint8_t)(255 * srgb(i / 4095.0) + .5);
-    IGI_TRY(IGI_ALLOC(ctx, 3 * texels, &pixels));
-    for (size_t i = 0; i < 3 * texels; i++) {
-        int band = (int)(i % 3) < bands ? (int)(i % 3) : bands - 1;
-        float x = map->samples[i / 3 * (size_t)map->channels + (size_t)band];
-        pixels[i] = table[x > 0 ? (int)(fminf(x, 1) * 4095 + .5f) : 0];
-    }
-    igi_status status = igi_image_encode_png(ctx, pixels, map->width, map->height, 3, png, size);
-    igi_free(pixels);
-    return status;
-}
 
 static igi_status save_bytes(igi_context *ctx, const char *path, const uint8_t *bytes, size_t size)
 {
@@ -90,7 +68,7 @@ static igi_status save_rgb(igi_context *ctx, const igi_image *rgb, igi_picture f
     if (format == IGI_PICTURE_HDR) return save_hdr(ctx, rgb, path);
     uint8_t *png = NULL;
     size_t size;
-    IGI_TRY(igi_export_png(ctx, rgb, 3, &png, &size));
+    IGI_TRY(igi_srgb_png(ctx, rgb, 3, 1, &png, &size));
     igi_status status = save_bytes(ctx, path, png, size);
     igi_image_free_bytes(png);
     return status;

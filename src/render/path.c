@@ -115,9 +115,9 @@ static bool go_on(const igi_renderer *r, const surface *s, sampler *points, igi_
 }
 
 uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, int max_depth,
-                    sampler *points, float *radiance)
+                    sampler *points, float *radiance, path_parts *parts)
 {
-    float throughput[IGI_MAX_BANDS], pdf = -1;
+    float throughput[IGI_MAX_BANDS], pdf = -1, *first = parts ? parts->direct : radiance;
     igi_vec normal = {0, 0, 0};
     uint64_t rays = 0;
     for (int b = 0; b < r->bands; b++) throughput[b] = 1;
@@ -126,11 +126,12 @@ uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, in
         igi_hit hit = edge == 1 ? igi_trace(r->tracer, origin, direction)
                                 : igi_trace_off(r->tracer, origin, normal, direction);
         rays++;
-        add_emission(r, origin, direction, &hit, pdf, throughput, radiance);
+        add_emission(r, origin, direction, &hit, pdf, throughput, edge <= 2 ? first : radiance);
         if (hit.triangle == IGI_NO_HIT || edge >= max_depth) break;
         surface_at(r, &hit, direction, &s);
         if (s.finish->absorbs) break;
-        rays += add_direct(r, &s, points, throughput, radiance);
+        for (int b = 0; b < r->bands && parts && edge == 1; b++) parts->albedo[b] += s.albedo[b];
+        rays += add_direct(r, &s, points, throughput, edge == 1 ? first : radiance);
         if (!go_on(r, &s, points, &direction, throughput, &pdf)) break;
         origin = s.point;
         normal = s.normal;

@@ -54,8 +54,14 @@ typedef struct sampler {
 
 void sampler_next(sampler *s, float *u, float *v);
 
-/* Adds the radiance that arrives along the ray to radiance[bands]; returns the rays it took. */
+/* Apart from the rest: light that has met one surface at most, and the albedo of the first. */
+typedef struct path_parts {
+    float direct[IGI_MAX_BANDS], albedo[IGI_MAX_BANDS];
+} path_parts;
+
+/* Adds the radiance that arrives along the ray to radiance[bands]; returns the rays it took. With
+ * `parts` (may be NULL) its direct light is added there instead. */
 uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, int max_depth,
-                    sampler *s, float *radiance);
+                    sampler *s, float *radiance, path_parts *parts);
 
 #endif

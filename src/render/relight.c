@@ -2,44 +2,90 @@
  *
  * A folder of materials, rendered.
  */
+#include "image/srgb.h"
 #include "material/result.h"
-#include "render/render.h"
+#include "render/layers.h"
 
 #include <igi/image.h>
 #include <igi/scene.h>
 
-static igi_status save(igi_context *ctx, const igi_image *image, const char *folder,
-                       const char *name, const char *ending)
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void igi_relight_options_init(igi_relight_options *options)
+{
+    *options = (igi_relight_options){.struct_size = sizeof *options};
+    igi_render_options_init(&options->render);
+}
+
+typedef struct relighting {
+    igi_context *ctx;
+    const igi_relight_options *options;
+    const char *output;
+    const igi_renderer *renderer;
+    int bands;
+    float exposure; /* of PNG: the first frame's, for all; 0: not yet known */
+} relighting;
+
+static igi_status save(const relighting *r, const igi_image *image, const char *name,
+                       const char *ending)
 {
     char *path = NULL;
-    IGI_TRY(igi_strprintf(ctx, &path, "%s/%s%s", folder, name, ending));
-    igi_status status = igi_image_save_exr(ctx, image, IGI_EXR_FLOAT, path);
+    IGI_TRY(igi_strprintf(r->ctx, &path, "%s/%s%s", r->output, name, ending));
+    igi_status status = igi_image_save_exr(r->ctx, image, IGI_EXR_FLOAT, path);
     igi_free(path);
     return status;
 }
 
-static igi_status render_frame(igi_context *ctx, const igi_renderer *renderer, int bands,
-                               const igi_frame *frame, uint64_t key,
-                               const igi_render_options *options, bool variance, const char *output)
+static igi_status save_png(relighting *r, const layered_frame *f, const char *name)
 {
     igi_status status = IGI_OK;
-    igi_image *picture = NULL, *spread = NULL;
-    int width = frame->camera.width, height = frame->camera.height;
-    IGI_TRY_GOTO(igi_image_create(ctx, width, height, bands, &picture));
-    if (variance) IGI_TRY_GOTO(igi_image_create(ctx, width, height, bands, &spread));
-    IGI_TRY_GOTO(igi_renderer_frames(ctx, renderer, &frame->camera, 1, options, key, &picture,
-                                     variance ? &spread : NULL));
-    IGI_TRY_GOTO(save(ctx, picture, output, frame->name, ".exr"));
-    if (variance) IGI_TRY_GOTO(save(ctx, spread, output, frame->name, ".variance.exr"));
+    char *path = NULL;
+    uint8_t *png = NULL;
+    size_t size;
+    if (!(r->exposure > 0)) IGI_TRY_GOTO(layered_frame_exposure(r->ctx, f, &r->exposure));
+    IGI_TRY_GOTO(igi_strprintf(r->ctx, &path, "%s/%s.png", r->output, name));
+    IGI_TRY_GOTO(
+        igi_srgb_png(r->ctx, f->layers[LAYER_PICTURE], r->bands, r->exposure, &png, &size));
+    FILE *file = fopen(path, "wb");
+    bool written = file && fwrite(png, 1, size, file) == size;
+    if (file && fclose(file) != 0) written = false;
+    if (!written)
+        status = igi_fail(r->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk", path,
+                          strerror(errno));
 cleanup:
-    igi_image_destroy(picture);
-    igi_image_destroy(spread);
+    igi_image_free_bytes(png);
+    igi_free(path);
     return status;
 }
 
-igi_status igi_relight(igi_context *ctx, const char *folder, const char *lights_path,
-                       const char *cameras, const igi_render_options *options, bool variance,
-                       const char *output)
+static igi_status render_frame(relighting *r, const igi_frame *frame, uint64_t key)
+{
+    const igi_relight_options *o = r->options;
+    igi_status status = IGI_OK;
+    layered_frame f;
+    igi_image *joined = NULL;
+    IGI_TRY(layered_frame_render(r->ctx, r->renderer, &frame->camera, key, &o->render,
+                                 o->target_error, o->layers, r->bands, &f));
+    if (o->target_error > 0 && f.noise > o->target_error)
+        igi_warn(r->ctx, "%s: its noise is still %.3g %% after %d paths a pixel", frame->name,
+                 100 * f.noise, f.samples);
+    if (o->noise) *o->noise = fmax(*o->noise, f.noise);
+    IGI_TRY_GOTO(save(r, f.layers[LAYER_PICTURE], frame->name, ".exr"));
+    if (o->variance) IGI_TRY_GOTO(save(r, f.layers[LAYER_VARIANCE], frame->name, ".variance.exr"));
+    if (o->layers) IGI_TRY_GOTO(layered_frame_join(r->ctx, &f, &joined));
+    if (o->layers) IGI_TRY_GOTO(save(r, joined, frame->name, ".layers.exr"));
+    if (o->png) IGI_TRY_GOTO(save_png(r, &f, frame->name));
+cleanup:
+    igi_image_destroy(joined);
+    layered_frame_clear(&f);
+    return status;
+}
+
+igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras,
+                       const igi_relight_options *options, const char *output)
 {
     igi_status status = IGI_OK;
     igi_scene *scene = NULL;
@@ -48,17 +94,20 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *lights_
     igi_frame *frames = NULL;
     igi_renderer *renderer = NULL;
     size_t light_count = 0, count = 0;
+    if (options->struct_size != sizeof *options)
+        return igi_fail(ctx, IGI_E_USAGE, "relight: options were not initialized");
     igi_stage_begin(ctx, "scene");
     IGI_TRY_GOTO(igi_result_load(ctx, folder, &scene, &materials));
-    if (lights_path) IGI_TRY_GOTO(igi_lights_load(ctx, scene, lights_path, &lights, &light_count));
+    if (options->lights)
+        IGI_TRY_GOTO(igi_lights_load(ctx, scene, options->lights, &lights, &light_count));
     IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &count));
     IGI_TRY_GOTO(
-        igi_renderer_create(ctx, scene, materials, lights_path ? lights : materials->lights,
-                            lights_path ? light_count : materials->light_count, &renderer));
+        igi_renderer_create(ctx, scene, materials, options->lights ? lights : materials->lights,
+                            options->lights ? light_count : materials->light_count, &renderer));
     igi_stage_begin(ctx, "rendering");
-    for (size_t i = 0; i < count; i++)
-        IGI_TRY_GOTO(
-            render_frame(ctx, renderer, scene->bands, &frames[i], i, options, variance, output));
+    if (options->noise) *options->noise = 0;
+    relighting r = {ctx, options, output, renderer, scene->bands, 0};
+    for (size_t i = 0; i < count; i++) IGI_TRY_GOTO(render_frame(&r, &frames[i], i));
 cleanup:
     igi_stage_begin(ctx, NULL);
     igi_renderer_destroy(renderer);

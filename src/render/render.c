@@ -96,13 +96,28 @@ typedef struct job {
     igi_render_options options;
     int batch, batches; /* paths in each, and of them */
     uint64_t key;
-    igi_image **pictures, **variances;
+    igi_layers layers;
     size_t *first_tile; /* [count + 1] */
     size_t count;
 } job;
 
+static float *samples_of(igi_image **images, size_t frame, size_t at)
+{
+    return images ? images[frame]->samples + at : NULL;
+}
+
+static void put_parts(const job *j, size_t frame, size_t at, const path_parts *sum)
+{
+    float *direct = samples_of(j->layers.direct, frame, at);
+    float *albedo = samples_of(j->layers.albedos, frame, at);
+    for (int b = 0; b < j->renderer->bands; b++) {
+        if (direct) direct[b] = sum->direct[b] / (float)j->batches;
+        if (albedo) albedo[b] = sum->albedo[b] / (float)j->batches;
+    }
+}
+
 /* Mean of a pixel's batches, and the variance of that mean. */
-static uint64_t render_pixel(const job *j, size_t frame, int x, int y, float *mean, float *variance)
+static uint64_t render_pixel(const job *j, size_t frame, int x, int y, size_t at)
 {
     const igi_camera *camera = &j->cameras[frame];
     int bands = j->renderer->bands;
@@ -110,23 +125,32 @@ static uint64_t render_pixel(const job *j, size_t frame, int x, int y, float *me
     uint64_t rays = 0, pixel = (uint64_t)y * (uint64_t)camera->width + (uint64_t)x;
     uint64_t stream = igi_hash64(igi_hash64(j->key ^ frame) ^ pixel);
     igi_vec centre = igi_camera_centre(camera);
+    bool apart = j->layers.direct || j->layers.albedos;
+    path_parts all = {{0}, {0}};
     for (int k = 0; k < j->batches; k++) {
         float batch[IGI_MAX_BANDS] = {0};
+        path_parts parts = {{0}, {0}};
         for (int i = 0; i < j->batch; i++) {
             sampler points = {igi_hash64(stream ^ (uint64_t)k), (uint32_t)i, (uint32_t)j->batch - 1,
                               0};
             float u, v;
             sampler_next(&points, &u, &v);
             igi_vec d = igi_camera_direction(camera, x + (double)u, y + (double)v);
-            rays += trace_path(j->renderer, centre, d, j->options.max_depth, &points, batch);
+            rays += trace_path(j->renderer, centre, d, j->options.max_depth, &points, batch,
+                               apart ? &parts : NULL);
         }
         for (int b = 0; b < bands; b++) {
-            double value = (double)batch[b] / j->batch;
+            double value = (double)(batch[b] + parts.direct[b]) / j->batch;
+            all.direct[b] += parts.direct[b] / (float)j->batch;
+            all.albedo[b] += parts.albedo[b] / (float)j->batch;
             sum[b] += value;
             squares[b] += value * value;
         }
     }
     double n = j->batches;
+    float *mean = samples_of(j->layers.pictures, frame, at);
+    float *variance = samples_of(j->layers.variances, frame, at);
+    put_parts(j, frame, at, &all);
     for (int b = 0; b < bands; b++) {
         mean[b] = (float)(sum[b] / n);
         if (variance)
@@ -149,8 +173,7 @@ static igi_status render_tile(igi_context *ctx, void *user, size_t index, int wo
     for (int y = y0; y < y0 + TILE && y < camera->height; y++)
         for (int x = x0; x < x0 + TILE && x < camera->width; x++) {
             size_t at = ((size_t)y * (size_t)camera->width + (size_t)x) * (size_t)bands;
-            rays += render_pixel(j, frame, x, y, j->pictures[frame]->samples + at,
-                                 j->variances ? j->variances[frame]->samples + at : NULL);
+            rays += render_pixel(j, frame, x, y, at);
         }
     igi_count_rays(ctx, rays);
     return IGI_OK;
@@ -159,7 +182,7 @@ static igi_status render_tile(igi_context *ctx, void *user, size_t index, int wo
 igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer *renderer,
                                const igi_camera *cameras, size_t count,
                                const igi_render_options *options, uint64_t key,
-                               igi_image **pictures, igi_image **variances)
+                               const igi_layers *layers)
 {
     igi_status status = IGI_OK;
     job j = {.renderer = renderer,
@@ -167,8 +190,7 @@ igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer *renderer,
              .options = *options,
              .count = count,
              .key = igi_hash64(igi_seed(ctx)) ^ key,
-             .pictures = pictures,
-             .variances = variances};
+             .layers = *layers};
     if (options->struct_size != sizeof *options || options->samples < 1 || options->max_depth < 1)
         return igi_fail(ctx, IGI_E_USAGE, "render: samples and max_depth must be at least 1");
     /* At least four batches, or there is no variance to speak of. */
@@ -202,8 +224,9 @@ igi_status igi_render(igi_context *ctx, const igi_scene *scene, const igi_materi
     IGI_TRY_GOTO(igi_image_create(ctx, camera->width, camera->height, scene->bands, picture));
     if (variance)
         IGI_TRY_GOTO(igi_image_create(ctx, camera->width, camera->height, scene->bands, variance));
-    IGI_TRY_GOTO(igi_renderer_frames(ctx, renderer, camera, 1, options ? options : &defaults, 0,
-                                     picture, variance));
+    igi_layers layers = {.pictures = picture, .variances = variance};
+    IGI_TRY_GOTO(
+        igi_renderer_frames(ctx, renderer, camera, 1, options ? options : &defaults, 0, &layers));
 cleanup:
     igi_renderer_destroy(renderer);
     if (status != IGI_OK) {

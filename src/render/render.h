@@ -17,12 +17,18 @@ IGI_MUST_USE igi_status igi_renderer_create(igi_context *ctx, const igi_scene *s
                                             size_t light_count, igi_renderer **renderer);
 void igi_renderer_destroy(igi_renderer *renderer);
 
-/* Pictures [count] of the cameras, into images of their size and the scene's bands; variances
- * [count], of each pixel's mean, may be NULL. Streams are keyed by the context's seed, `key`, frame,
- * pixel and sample. */
+/* Images [count] of the cameras' size and the scene's bands; all but the pictures may be NULL. */
+typedef struct igi_layers {
+    igi_image **pictures;
+    igi_image **variances; /* of each pixel's mean */
+    igi_image **direct;    /* of the pictures: light that has met one surface at most */
+    igi_image **albedos;   /* rho_d of what is seen; lamps and the sky: 0 */
+} igi_layers;
+
+/* Fills the layers. Streams are keyed by the context's seed, `key`, frame, pixel and sample. */
 IGI_MUST_USE igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer *renderer,
                                             const igi_camera *cameras, size_t count,
                                             const igi_render_options *options, uint64_t key,
-                                            igi_image **pictures, igi_image **variances);
+                                            const igi_layers *layers);
 
 #endif

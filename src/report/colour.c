@@ -5,15 +5,6 @@
 
 #include <math.h>
 
-void igi_srgb_make(igi_srgb *table)
-{
-    for (int i = 0; i < IGI_SRGB_STEPS; i++) {
-        double x = (double)i / (IGI_SRGB_STEPS - 1);
-        double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-        table->byte[i] = (uint8_t)(255 * y + .5);
-    }
-}
-
 const uint8_t igi_ramp_spread[IGI_RAMP_STOPS][3] = {
     {33, 102, 172},  {67, 147, 195},  {146, 197, 222}, {209, 229, 240}, {247, 247, 247},
     {253, 219, 199}, {244, 165, 130}, {214, 96, 77},   {178, 24, 43}};

@@ -5,25 +5,11 @@
 #ifndef IGI_SRC_REPORT_COLOUR_H
 #define IGI_SRC_REPORT_COLOUR_H
 
-#include "base/context.h"
+#include "image/srgb.h"
 
 #include <igi/image.h>
 
-enum { IGI_SRGB_STEPS = 4096, IGI_RAMP_STOPS = 9 };
-
-/* Linear [0,1] to sRGB bytes (IEC 61966-2-1). */
-typedef struct igi_srgb {
-    uint8_t byte[IGI_SRGB_STEPS];
-} igi_srgb;
-
-void igi_srgb_make(igi_srgb *table);
-
-static inline uint8_t igi_srgb_byte(const igi_srgb *table, float linear)
-{
-    if (!(linear > 0)) return 0;
-    if (linear >= 1) return 255;
-    return table->byte[(int)(linear * (float)(IGI_SRGB_STEPS - 1) + .5f)];
-}
+enum { IGI_RAMP_STOPS = 9 };
 
 /* Which band stands for red, green (1) or blue (2). */
 static inline int igi_band_of(int colour, int bands)

@@ -93,7 +93,8 @@ igi_status highlights_count(igi_context *ctx, const igi_scene *scene, const igi_
         IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)camera->width * (size_t)camera->height, &region));
         find_regions(scene, tracer, camera, region);
         IGI_TRY_GOTO(igi_image_create(ctx, camera->width, camera->height, scene->bands, &lobes));
-        status = igi_renderer_frames(ctx, renderer, camera, 1, &options, f, &lobes, NULL);
+        status = igi_renderer_frames(ctx, renderer, camera, 1, &options, f,
+                                     &(igi_layers){.pictures = &lobes});
         if (status == IGI_OK) count_in(camera, region, photos[f], lobes, pixels);
         igi_image_destroy(lobes);
         IGI_TRY_GOTO(status);

@@ -199,7 +199,7 @@ static igi_status take_pictures(maker *m, const char *folder, const view_set *vi
         igi_renderer_create(m->ctx, m->scene, m->spec.materials, by->lights, by->count, &renderer));
     igi_stage_begin(m->ctx, by->stage);
     IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed,
-                                     pictures, NULL));
+                                     &(igi_layers){.pictures = pictures}));
     if (!folder[0])
         IGI_TRY_GOTO(highlights_count(m->ctx, m->scene, m->tracer, m->spec.materials, cameras,
                                       count, pictures, m->highlight));

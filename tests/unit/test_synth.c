@@ -126,9 +126,10 @@ static void relight(void)
     igi_context *ctx = test_context(2);
     igi_scene *scene = NULL;
     igi_materials *truth = NULL;
-    igi_render_options options;
-    igi_render_options_init(&options);
-    options.samples = 256;
+    igi_relight_options options;
+    igi_relight_options_init(&options);
+    options.render.samples = 256;
+    options.variance = true;
     write_spec(room);
     CHECK_OK(ctx, igi_synth(ctx, SPEC, "test_synth_a"));
     CHECK_OK(ctx, igi_scene_load(ctx, "test_synth_a", &scene));
@@ -143,19 +144,19 @@ static void relight(void)
     CHECK_OK(ctx, igi_materials_save_glb(ctx, truth, scene, "test_synth_result/scene.glb"));
     static const char *const from[] = {"test_synth_a/truth", "test_synth_result"};
     for (int i = 0; i < 2; i++) {
-        CHECK_OK(ctx, igi_relight(ctx, from[i], NULL, "test_synth_a/transforms.json", &options,
-                                  true, "test_synth_relit"));
+        CHECK_OK(ctx, igi_relight(ctx, from[i], "test_synth_a/transforms.json", &options,
+                                  "test_synth_relit"));
         double want = mean_of(ctx, scene->frames[2].path);
         CHECK_NEAR(mean_of(ctx, "test_synth_relit/0002.exr") / want, 1, .05);
         CHECK(mean_of(ctx, "test_synth_relit/0002.variance.exr") < .01 * want * want);
     }
-    CHECK_OK(ctx, igi_relight(ctx, from[0], "test_synth_a/relit/lights.json",
-                              "test_synth_a/relit/transforms.json", &options, false,
+    options.lights = "test_synth_a/relit/lights.json";
+    CHECK_OK(ctx, igi_relight(ctx, from[0], "test_synth_a/relit/transforms.json", &options,
                               "test_synth_relit"));
     double want = mean_of(ctx, "test_synth_a/relit/images/0001.exr");
     CHECK_NEAR(mean_of(ctx, "test_synth_relit/0001.exr") / want, 1, .05);
-    CHECK(igi_relight(ctx, "test_synth_relit", NULL, "test_synth_a/transforms.json", &options,
-                      false, "test_synth_relit") == IGI_E_DATA);
+    CHECK(igi_relight(ctx, "test_synth_relit", "test_synth_a/transforms.json", &options,
+                      "test_synth_relit") == IGI_E_DATA);
     CHECK_CONTAINS(igi_context_message(ctx), "neither materials.json nor truth.json");
     igi_materials_destroy(truth);
     igi_scene_destroy(scene);
