@@ -47,15 +47,19 @@ typedef struct igi_registered_frame {
     size_t edges;               /* places at which it was measured in the end */
     double before_px, after_px; /* robust root mean square of the edges' distances */
     double moved_px;            /* typical shift of its image that the refinement made */
-    double sigma_px; /* of the image's place, one standard deviation, from the residuals */
-    bool moved;      /* false: too few edges, or no better; it stays where it was */
+    double sigma_px;         /* of the image's place, one standard deviation, from the residuals */
+    double gain, gain_sigma; /* brightness against the other photographs' */
+    bool moved;              /* false: too few edges, or no better; it stays where it was */
 } igi_registered_frame;
 
 typedef struct igi_registered {
     size_t frame_count;
     igi_registered_frame *frames;
     double before_px, after_px; /* root mean square over the frames */
-    igi_similarity together;    /* identity when not asked for */
+    /* How the photographs then agree about places that several show: the robust standard deviation
+     * of ln gain over the frames, and the typical share of places at which one contradicts. */
+    double gain_spread, contradicts;
+    igi_similarity together; /* identity when not asked for */
 } igi_registered;
 
 /* Refines the poses of the scene's cameras in place. Edges are where regions, depth or normals

@@ -26,16 +26,19 @@ static void print_json(const cli_session *s, const igi_scene *scene, const igi_r
     cli_print_json_number(r->before_px);
     printf(", \"after_px\": ");
     cli_print_json_number(r->after_px);
+    printf(", \"gain_spread\": ");
+    cli_print_json_number(r->gain_spread);
+    printf(", \"contradicts\": ");
+    cli_print_json_number(r->contradicts);
     printf(",\n \"frames\": [");
     for (size_t i = 0; i < r->frame_count; i++) {
         const igi_registered_frame *f = &r->frames[i];
         const struct {
             const char *name;
             double value;
-        } numbers[] = {{"before_px", f->before_px},
-                       {"after_px", f->after_px},
-                       {"moved_px", f->moved_px},
-                       {"sigma_px", f->sigma_px}};
+        } numbers[] = {{"before_px", f->before_px}, {"after_px", f->after_px},
+                       {"moved_px", f->moved_px},   {"sigma_px", f->sigma_px},
+                       {"gain", f->gain},           {"gain_sigma", f->gain_sigma}};
         printf("%s\n  {\"image\": ", i ? "," : "");
         cli_print_json_string(scene->frames[i].name);
         printf(", \"edges\": %zu, \"moved\": %s", f->edges, f->moved ? "true" : "false");
@@ -56,18 +59,21 @@ static void print_table(const cli_session *s, const igi_scene *scene, const igi_
         if (w > width) width = w;
     }
     cli_print_padded("image", width);
-    puts("  edges  off px, before   after   moved   sigma");
+    puts("  edges  off px, before   after   moved   sigma    gain");
     for (size_t i = 0; i < r->frame_count; i++) {
         const igi_registered_frame *f = &r->frames[i];
         cli_print_padded(scene->frames[i].name, width);
         if (isnan(f->after_px)) puts("      -  too few edges: left where it was");
         else if (f->moved)
-            printf("  %5zu  %14.3f  %6.3f  %6.3f  %6.3f\n", f->edges, f->before_px, f->after_px,
-                   f->moved_px, f->sigma_px);
-        else printf("  %5zu  %14.3f  no better place found\n", f->edges, f->before_px);
+            printf("  %5zu  %14.3f  %6.3f  %6.3f  %6.3f  %6.4f\n", f->edges, f->before_px,
+                   f->after_px, f->moved_px, f->sigma_px, f->gain);
+        else
+            printf("  %5zu  %14.3f  no better place found    %6.4f\n", f->edges, f->before_px,
+                   f->gain);
     }
-    printf("edges off by %.3f px before, %.3f px after; written: %s\n", r->before_px, r->after_px,
-           s->values.output);
+    printf("edges off by %.3f px before, %.3f px after; brightness differs by %.2f %% between "
+           "photographs\nwritten: %s\n",
+           r->before_px, r->after_px, 100 * r->gain_spread, s->values.output);
 }
 
 static igi_status run(cli_session *s)

@@ -7,6 +7,8 @@
  */
 #include "observe/faults.h"
 
+#include "observe/glare.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -252,6 +254,7 @@ igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, observations, &agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, observations, agreement, &faults));
     IGI_TRY_GOTO(igi_observations_mend(ctx, scene, agreement, faults, observations));
+    IGI_TRY_GOTO(igi_observations_warn_of_glare(ctx, scene, observations));
 cleanup:
     igi_agreement_destroy(agreement);
     igi_faults_destroy(faults);

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "scene/camera.h"
 #include "lens/photographs.h"
+#include "observe/agreement.h"
 #include "register/register_private.h"
 
 #include <math.h>
@@ -169,6 +170,27 @@ static igi_status sum_up(igi_context *ctx, igi_registered *r)
     return IGI_OK;
 }
 
+/* Reads the photographs once more, with the cameras as they now are. */
+static igi_status compare_photographs(igi_context *ctx, const igi_scene *scene,
+                                      const igi_tracer *tracer, igi_registered *r)
+{
+    igi_status status = IGI_OK;
+    igi_observations *observations = NULL;
+    igi_agreement *agreement = NULL;
+    IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
+    IGI_TRY_GOTO(igi_agreement_create(ctx, scene, observations, &agreement));
+    r->gain_spread = agreement->gain_spread;
+    r->contradicts = agreement->typical_share;
+    for (size_t i = 0; i < r->frame_count; i++) {
+        r->frames[i].gain = agreement->frames[i].gain;
+        r->frames[i].gain_sigma = agreement->frames[i].gain_error;
+    }
+cleanup:
+    igi_agreement_destroy(agreement);
+    igi_observations_destroy(observations);
+    return status;
+}
+
 igi_status igi_register(igi_context *ctx, igi_scene *scene, const igi_register_options *options,
                         igi_registered **registered)
 {
@@ -192,6 +214,7 @@ igi_status igi_register(igi_context *ctx, igi_scene *scene, const igi_register_o
     if (o.together) IGI_TRY_GOTO(refine_together(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, register_frame, &j));
     IGI_TRY_GOTO(sum_up(ctx, r));
+    IGI_TRY_GOTO(compare_photographs(ctx, scene, tracer, r));
     *registered = r;
     r = NULL;
 cleanup:

@@ -7,6 +7,7 @@
 
 #include "observe/faults.h"
 #include "observe/edges.h"
+#include "observe/glare.h"
 #include "scene/camera.h"
 
 #include <unistd.h>
@@ -218,6 +219,25 @@ static void all_cameras(void)
     igi_observations_destroy(o);
 }
 
+/* Light that shines into the lens of one camera adds some to all its pixels. */
+static void a_veil(void)
+{
+    igi_observations *o = observe();
+    igi_glare glares[12];
+    double mean = 0;
+    size_t first = o->frame_begin[7] * 3, next = o->frame_begin[8] * 3;
+    CHECK_OK(ctx, igi_glare_estimate(ctx, scene, o, glares));
+    for (int f = 0; f < 12; f++) CHECK(glares[f].share < .04);
+    for (size_t i = first; i < next; i++) mean += (double)o->radiance[i] / (double)(next - first);
+    for (size_t i = first; i < next; i++) o->radiance[i] += (float)(.2 * mean);
+    CHECK_OK(ctx, igi_glare_estimate(ctx, scene, o, glares));
+    CHECK_NEAR(glares[7].share, .2 / 1.2, .04);
+    CHECK_OK(ctx, igi_observations_warn_of_glare(ctx, scene, o));
+    CHECK(o->warning_count == 1);
+    if (o->warning_count) CHECK_CONTAINS(o->warnings[0], "image 0007: a veil of");
+    igi_observations_destroy(o);
+}
+
 static void clean_up(void)
 {
     char command[100];
@@ -231,4 +251,4 @@ static void clean_up(void)
 TEST_MAIN({"nothing_is_wrong", nothing_is_wrong}, {"an_exposure", an_exposure},
           {"a_drift", a_drift}, {"a_spoilt_piece", a_spoilt_piece},
           {"a_wrong_image", a_wrong_image}, {"a_camera", a_camera}, {"all_cameras", all_cameras},
-          {"", clean_up})
+          {"a_veil", a_veil}, {"", clean_up})
