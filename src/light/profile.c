@@ -3,26 +3,24 @@
  * ANSI/IES LM-63 (1986 to 2019): after the line TILT=, ten numbers and three, then the vertical
  * angles, the horizontal angles, and the candela values, vertical fastest.
  */
-#include "light/sky.h"
+#include "light/profile.h"
 
 #include "scene/file_text.h"
 
 #include <math.h>
 #include <string.h>
 
-#define MOST_ANGLES 4096
-
-struct profile {
-    int verticals, horizontals;
-    float *vertical, *horizontal; /* degrees, rising */
-    float *candela;               /* [horizontals][verticals] */
-};
-
-/* Commas count as blanks. */
-static bool next_number(const char **at, double *value)
+bool profile_number(const char **at, double *value)
 {
     while (**at == ',' || **at == ' ' || **at == '\t' || **at == '\r' || **at == '\n') ++*at;
     return igi_scan_number(at, value) && isfinite(*value);
+}
+
+igi_status profile_allocate(igi_context *ctx, profile *p)
+{
+    IGI_TRY(IGI_ALLOC(ctx, (size_t)p->verticals, &p->vertical));
+    IGI_TRY(IGI_ALLOC(ctx, (size_t)p->horizontals, &p->horizontal));
+    return IGI_ALLOC(ctx, (size_t)p->verticals * (size_t)p->horizontals, &p->candela);
 }
 
 static igi_status wrong(igi_context *ctx, const char *path, const char *what)
@@ -45,7 +43,7 @@ static igi_status read_angles(igi_context *ctx, const char *path, const char **a
 {
     for (int i = 0; i < count; i++) {
         double x;
-        if (!next_number(at, &x)) return wrong(ctx, path, "it ends among the angles");
+        if (!profile_number(at, &x)) return wrong(ctx, path, "it ends among the angles");
         angles[i] = (float)x;
         if (i && !(angles[i] > angles[i - 1])) return wrong(ctx, path, "its angles do not rise");
     }
@@ -57,21 +55,20 @@ static igi_status read_body(igi_context *ctx, const char *path, const char *at, 
     double head[13], x;
     IGI_TRY(skip_head(ctx, path, &at));
     for (int i = 0; i < 13; i++)
-        if (!next_number(&at, &head[i])) return wrong(ctx, path, "its head is cut short");
-    if (!(head[3] >= 2 && head[3] <= MOST_ANGLES && head[4] >= 1 && head[4] <= MOST_ANGLES))
+        if (!profile_number(&at, &head[i])) return wrong(ctx, path, "its head is cut short");
+    if (!(head[3] >= 2 && head[3] <= PROFILE_MOST_ANGLES && head[4] >= 1 &&
+          head[4] <= PROFILE_MOST_ANGLES))
         return wrong(ctx, path, "the numbers of angles are out of range");
     if (head[5] != 1) return wrong(ctx, path, "its photometry is not of type C");
     double factor = head[2] * head[10] * head[11]; /* multiplier, ballast, ballast-lamp */
     p->verticals = (int)head[3];
     p->horizontals = (int)head[4];
     size_t count = (size_t)p->verticals * (size_t)p->horizontals;
-    IGI_TRY(IGI_ALLOC(ctx, (size_t)p->verticals, &p->vertical));
-    IGI_TRY(IGI_ALLOC(ctx, (size_t)p->horizontals, &p->horizontal));
-    IGI_TRY(IGI_ALLOC(ctx, count, &p->candela));
+    IGI_TRY(profile_allocate(ctx, p));
     IGI_TRY(read_angles(ctx, path, &at, p->verticals, p->vertical));
     IGI_TRY(read_angles(ctx, path, &at, p->horizontals, p->horizontal));
     for (size_t i = 0; i < count; i++) {
-        if (!next_number(&at, &x)) return wrong(ctx, path, "it ends among the candela values");
+        if (!profile_number(&at, &x)) return wrong(ctx, path, "it ends among the candela values");
         p->candela[i] = (float)(x * factor);
         if (!(p->candela[i] >= 0)) return wrong(ctx, path, "a candela value is below zero");
     }
@@ -85,7 +82,8 @@ igi_status profile_load(igi_context *ctx, const char *path, profile **result)
     *result = NULL;
     IGI_TRY_GOTO(igi_text_load(ctx, path, (size_t)16 << 20, &text));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, result));
-    IGI_TRY_GOTO(read_body(ctx, path, text.bytes, *result));
+    IGI_TRY_GOTO(igi_ends_with(path, ".ldt") ? profile_read_ldt(ctx, path, text.bytes, *result)
+                                             : read_body(ctx, path, text.bytes, *result));
 cleanup:
     igi_free(text.bytes);
     if (status != IGI_OK) {

@@ -23,7 +23,8 @@ const float *sky_radiance(const sky *s, igi_vec direction);
 igi_vec sky_sample(const sky *s, float u, float v, float *pdf);
 float sky_pdf(const sky *s, igi_vec direction);
 
-/* An IES LM-63 file, photometry of type C: 0 degrees is straight down, horizontal 0 is +X. */
+/* An IES LM-63 file with photometry of type C, or EULUMDAT (NAME.ldt): 0 degrees is straight down,
+ * horizontal 0 is +X. */
 typedef struct profile profile;
 
 IGI_MUST_USE igi_status profile_load(igi_context *ctx, const char *path, profile **result);

@@ -368,6 +368,68 @@ static void goniometric(void)
     remove("test_light.ies");
 }
 
+static void write_ldt(int symmetry, const char *body)
+{
+    FILE *file = fopen("test_light.ldt", "w");
+    if (!file) abort();
+    fprintf(file, "igi\n2\n%d\n8\n45\n3\n45\n\nlamp\n1\nl.ldt\ntoday\n", symmetry);
+    for (int i = 13; i <= 22; i++) fprintf(file, "100\n"); /* sizes */
+    fprintf(file, "90\n2\n0\n1\n1\nLED\n500\n3000\n80\n10\n");
+    for (int i = 0; i < 10; i++) fprintf(file, "0.5\n"); /* direct ratios */
+    for (int i = 0; i < 8; i++) fprintf(file, "%d\n", 45 * i);
+    if (fprintf(file, "0\n45\n90\n%s", body) < 0 || fclose(file) != 0) abort();
+}
+
+/* Candela per 1000 lm, with 500 lm and a factor of 2: the numbers are candela. 8 planes, 45 degrees
+ * apart; at gamma = 45 plane k has 10 (k + 1). */
+static void eulumdat(void)
+{
+    static char path[] = "test_light.ldt";
+    igi_light lamp = {.type = IGI_LIGHT_GONIOMETRIC,
+                      .region = -1,
+                      .file = path,
+                      .position = {0, 0, 2},
+                      .value = {1}};
+    static const struct {
+        int symmetry;
+        const char *body;
+        double east, south_east, west; /* toward C = 0, 315 and 180 degrees */
+    } cases[] = {
+        {0, "8\n10\n0\n8\n20\n0\n8\n30\n0\n8\n40\n0\n8\n50\n0\n8\n60\n0\n8\n70\n0\n8\n80\n0\n", 10,
+         80, 50},
+        {1, "8\n10\n0\n", 10, 10, 10},
+        {2, "8\n10\n0\n8\n20\n0\n8\n30\n0\n8\n40\n0\n8\n50\n0\n", 10, 20, 50},
+        {3, "8\n70\n0\n8\n80\n0\n8\n10\n0\n8\n20\n0\n8\n30\n0\n", 10, 80, 10},
+        {4, "8\n10\n0\n8\n20\n0\n8\n30\n0\n", 10, 20, 10},
+    };
+    double c3 = pow(.5, 1.5); /* at 45 degrees E = I cos^3/h^2 */
+    float d = 2 / sqrtf(2);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        write_ldt(cases[i].symmetry, cases[i].body);
+        lit l = other_room(lamp, true), *r = &l;
+        CHECK_NEAR(irradiance(r, igi_v(0, 0, 0), up, 4, 1), 8 / 4.0, 1e-4);
+        CHECK_NEAR(irradiance(r, igi_v(2, 0, 0), up, 4, 1), cases[i].east * c3 / 4, 1e-4);
+        CHECK_NEAR(irradiance(r, igi_v(d, -d, 0), up, 4, 1), cases[i].south_east * c3 / 4, 1e-4);
+        CHECK_NEAR(irradiance(r, igi_v(-2, 0, 0), up, 4, 1), cases[i].west * c3 / 4, 1e-4);
+        put_out(r);
+    }
+    static const struct {
+        int symmetry;
+        const char *body, *sentence;
+    } bad[] = {{7, "", "test_light.ldt:3: no usable EULUMDAT profile: its symmetry"},
+               {1, "8\n10\n", "ends among the angles or intensities"},
+               {1, "8\n-10\n0\n", "below zero"}};
+    room *empty = square_room();
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        igi_lighting *none;
+        write_ldt(bad[i].symmetry, bad[i].body);
+        CHECK(igi_lighting_create(empty->ctx, &empty->scene, &lamp, 1, &none) == IGI_E_DATA);
+        CHECK_CONTAINS(igi_context_message(empty->ctx), bad[i].sentence);
+    }
+    room_free(empty);
+    remove("test_light.ldt");
+}
+
 static void refusals(void)
 {
     lit square_lit = light_up(square_room()), *r = &square_lit;
@@ -392,4 +454,4 @@ static void refusals(void)
 TEST_MAIN({"square", square}, {"bulb", bulb}, {"shadow", shadow}, {"samples", samples},
           {"facing samples", facing_samples}, {"small lights", small_lights}, {"line", line},
           {"ambient", ambient}, {"environment", environment}, {"goniometric", goniometric},
-          {"refusals", refusals})
+          {"eulumdat", eulumdat}, {"refusals", refusals})
