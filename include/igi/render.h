@@ -53,6 +53,21 @@ IGI_API IGI_MUST_USE igi_status igi_relight(igi_context *context, const char *fo
                                             const char *cameras, const igi_relight_options *options,
                                             const char *output);
 
+typedef struct igi_basis_options {
+    size_t struct_size;
+    igi_render_options render;
+    int views; /* at most so many of the cameras; default 2 */
+    int side;  /* of a picture, pixels at most; default 320 */
+} igi_basis_options;
+
+IGI_API void igi_basis_options_init(igi_basis_options *options);
+
+/* Writes FOLDER/relight/: a picture of each view by each lamp alone, for igi_report's page to relight
+ * by hand. `cameras` is a cameras' file; NULL: those that the result was recovered from. */
+IGI_API IGI_MUST_USE igi_status igi_basis_save(igi_context *context, const char *folder,
+                                               const char *cameras,
+                                               const igi_basis_options *options);
+
 #ifdef __cplusplus
 }
 #endif

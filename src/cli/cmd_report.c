@@ -7,8 +7,15 @@
 static igi_status run(cli_session *s)
 {
     const char *folder = s->arguments[0];
+    igi_status status = IGI_OK;
+    if (s->values.relight) {
+        igi_basis_options options;
+        igi_basis_options_init(&options);
+        options.render.samples = (int)s->values.samples;
+        status = igi_basis_save(s->context, folder, s->values.cameras, &options);
+    }
     cli_progress_report(s, "writing the page", 0);
-    igi_status status = igi_report(s->context, folder);
+    if (status == IGI_OK) status = igi_report(s->context, folder);
     cli_progress_clear(&s->progress);
     if (status != IGI_OK) return status;
     if (s->values.json) {
@@ -30,7 +37,9 @@ const cli_command cli_report = {
     .usage = "report OUT",
     .summary = "one page to look at: OUT/report.html",
     .example = "igi report my-room.out",
-    .details = "OUT is what igi recover wrote; it has a report already. This makes it anew, from\n"
-               "materials.json, manifest.json, the maps and the comparisons.",
+    .details =
+        "OUT is what igi recover wrote; it has a report already. This makes it anew, from\n"
+        "materials.json, manifest.json, the maps and the comparisons. With --relight it also\n"
+        "renders a picture for each lamp, which sliders on the page weigh and colour.",
     .run = run,
 };

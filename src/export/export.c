@@ -4,12 +4,10 @@
  */
 #include "export/export_private.h"
 #include "material/result.h"
-#include "scene/file_text.h"
 
 #include <igi/output.h>
 
 #include <errno.h>
-#include <jansson.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -56,28 +54,6 @@ bool igi_export_is_textured(const igi_scene *scene, const igi_material *m, size_
 {
     return m->map && m->textured && !m->emitter && scene->mesh.uvs &&
            scene->regions[region].has_uvs;
-}
-
-/* The cameras' file stands after scene.json and the mesh among what recovery has read. */
-static igi_status find_cameras(igi_context *ctx, const char *folder, char **path)
-{
-    igi_status status = IGI_OK;
-    char *manifest = NULL, *beside = NULL;
-    json_t *root = NULL;
-    IGI_TRY_GOTO(igi_path_join(ctx, folder, "manifest.json", &manifest));
-    IGI_TRY_GOTO(igi_path_join(ctx, folder, "../transforms.json", &beside));
-    root = json_load_file(manifest, 0, NULL);
-    const json_t *third = json_array_get(json_object_get(root, "inputs"), 2);
-    const char *named = json_string_value(json_object_get(third, "path"));
-    if (!root && igi_file_exists(beside)) named = beside; /* of a truth */
-    if (named && (igi_file_exists(named) || igi_is_folder(named)))
-        IGI_TRY_GOTO(igi_strdup(ctx, named, path));
-    else igi_warn(ctx, "no cameras are exported: give their file with --cameras");
-cleanup:
-    json_decref(root);
-    igi_free(manifest);
-    igi_free(beside);
-    return status;
 }
 
 /* The main file lies in the folder until both are moved to their places. */
@@ -167,7 +143,9 @@ igi_status igi_export(igi_context *ctx, const char *folder, const igi_export_opt
         lit.light_count = light_count;
     }
     bool shows = f->write && options->format != IGI_EXPORT_OBJ; /* it knows cameras */
-    if (shows && !options->cameras) IGI_TRY_GOTO(find_cameras(ctx, folder, &found));
+    if (shows && !options->cameras) IGI_TRY_GOTO(igi_result_cameras(ctx, folder, &found));
+    if (shows && !options->cameras && !found)
+        igi_warn(ctx, "no cameras are exported: give their file with --cameras");
     const char *cameras = options->cameras ? options->cameras : found;
     if (cameras) IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &frame_count));
     igi_exporter e = {.ctx = ctx,

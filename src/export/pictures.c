@@ -32,16 +32,7 @@ static igi_status save_hdr(igi_context *ctx, const igi_image *rgb, const char *p
                             rgb->height, rgb->width);
     IGI_TRY(IGI_ALLOC(ctx, head + 4 * pixels, &bytes));
     memcpy(bytes, text, head);
-    for (size_t i = 0; i < pixels; i++) {
-        const float *x = rgb->samples + 3 * i;
-        uint8_t *to = bytes + head + 4 * i;
-        double largest = (double)fmaxf(x[0], fmaxf(x[1], x[2]));
-        int exponent;
-        if (!(largest > 1e-32)) continue; /* four zeroes are black */
-        double scale = frexp(largest, &exponent) * 256 / largest;
-        for (int k = 0; k < 3; k++) to[k] = (uint8_t)fmax(0, (double)x[k] * scale);
-        to[3] = (uint8_t)(exponent + 128);
-    }
+    for (size_t i = 0; i < pixels; i++) igi_rgbe(rgb->samples + 3 * i, bytes + head + 4 * i);
     igi_status status = save_bytes(ctx, path, bytes, head + 4 * pixels);
     igi_free(bytes);
     return status;

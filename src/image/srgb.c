@@ -30,3 +30,14 @@ igi_status igi_srgb_png(igi_context *ctx, const igi_image *image, int bands, flo
     igi_free(pixels);
     return status;
 }
+
+void igi_rgbe(const float rgb[3], uint8_t rgbe[4])
+{
+    double largest = (double)fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
+    int exponent = 0;
+    for (int k = 0; k < 4; k++) rgbe[k] = 0;
+    if (!(largest > 1e-32)) return;
+    double scale = frexp(largest, &exponent) * 256 / largest;
+    for (int k = 0; k < 3; k++) rgbe[k] = (uint8_t)fmax(0, (double)rgb[k] * scale);
+    rgbe[3] = (uint8_t)(exponent + 128);
+}

@@ -30,4 +30,8 @@ static inline uint8_t igi_srgb_byte(const igi_srgb *table, float linear)
 IGI_MUST_USE igi_status igi_srgb_png(igi_context *ctx, const igi_image *image, int bands,
                                      float exposure, uint8_t **png, size_t *size);
 
+/* Three mantissas and the exponent they share: x = (byte + .5) 2^(exponent - 136), half a per cent;
+ * all 0: black (Ward, "Real pixels", 1991). */
+void igi_rgbe(const float rgb[3], uint8_t rgbe[4]);
+
 #endif

@@ -8,6 +8,7 @@
 
 #include "scene/mesh.h"
 
+#include <jansson.h>
 #include <string.h>
 
 /* glTF is Y-up: (x,y,z) there is (x,-z,y) here. */
@@ -90,5 +91,28 @@ cleanup:
         *scene = NULL;
         *materials = NULL;
     }
+    return status;
+}
+
+/* The cameras' file stands after scene.json and the mesh among what recovery has read. */
+igi_status igi_result_cameras(igi_context *ctx, const char *folder, char **path)
+{
+    igi_status status = IGI_OK;
+    char *manifest = NULL, *beside = NULL;
+    json_t *root = NULL;
+    *path = NULL;
+    IGI_TRY_GOTO(igi_path_join(ctx, folder, "manifest.json", &manifest));
+    IGI_TRY_GOTO(igi_path_join(ctx, folder, "../transforms.json", &beside));
+    root = json_load_file(manifest, 0, NULL);
+    const json_t *third = json_array_get(json_object_get(root, "inputs"), 2);
+    const char *named = json_string_value(json_object_get(third, "file"));
+    if (!root) named = beside; /* of a truth */
+    if (!named || !igi_file_exists(named)) goto cleanup;
+    if (igi_ends_with(named, ".json")) status = igi_strdup(ctx, named, path);
+    else status = igi_path_folder(ctx, named, path); /* COLMAP's */
+cleanup:
+    json_decref(root);
+    igi_free(manifest);
+    igi_free(beside);
     return status;
 }

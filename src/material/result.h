@@ -15,4 +15,8 @@
 IGI_MUST_USE igi_status igi_result_load(igi_context *ctx, const char *folder, igi_scene **scene,
                                         igi_materials **materials);
 
+/* The cameras that it was recovered from, where they still lie where manifest.json says, or beside a
+ * truth; else *path is NULL. */
+IGI_MUST_USE igi_status igi_result_cameras(igi_context *ctx, const char *folder, char **path);
+
 #endif

@@ -175,6 +175,7 @@ static igi_status print_page(const igi_page *page)
     igi_page_lights(page);
     IGI_TRY(igi_page_maps(page));
     IGI_TRY(igi_page_views(page));
+    IGI_TRY(igi_page_relight(page));
     print_meaning(page);
     igi_page_costs(page);
     igi_page_provenance(page);
@@ -232,11 +233,13 @@ igi_status igi_report(igi_context *ctx, const char *folder)
     page.materials = materials;
     IGI_TRY_GOTO(read_json(&page, "manifest.json", &page.manifest));
     IGI_TRY_GOTO(read_json(&page, "comparison/index.json", &page.comparisons));
+    IGI_TRY_GOTO(read_json(&page, "relight/index.json", &page.relight));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/report.html", folder));
     IGI_TRY_GOTO(write_page(&page, path));
 cleanup:
     json_decref(page.manifest);
     json_decref(page.comparisons);
+    json_decref(page.relight);
     igi_materials_destroy(materials);
     igi_free(path);
     return status;

@@ -19,6 +19,7 @@ typedef struct igi_page {
     const igi_materials *materials;
     json_t *manifest;    /* NULL when there is none */
     json_t *comparisons; /* index.json; NULL likewise */
+    json_t *relight;     /* relight/index.json; NULL likewise */
     igi_srgb srgb;
 } igi_page;
 
@@ -42,6 +43,7 @@ double igi_material_share(const igi_material *material, int bands);
 void igi_page_table(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_views(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_relight(const igi_page *page);
 void igi_page_lights(const igi_page *page);
 void igi_page_costs(const igi_page *page);
 void igi_page_provenance(const igi_page *page);

@@ -70,6 +70,8 @@ const char *const igi_page_style[] = {
     "background:rgba(0,0,0,.55);font-size:.78rem;z-index:1}",
     ".wipe span.a{left:.5rem}.wipe span.b{right:.5rem}",
     "input[type=range]{width:100%;margin:.5rem 0 0;accent-color:var(--accent)}",
+    ".lamp,.control{display:grid;grid-template-columns:1fr auto;gap:1rem;align-items:end}",
+    "figure canvas{width:100%;height:auto;display:block;border-radius:6px}",
     "td .cost{display:inline-block;height:.7rem;border-radius:3px;background:var(--bar);",
     "vertical-align:middle}",
     "dl.facts{display:grid;grid-template-columns:max-content 1fr;gap:.3rem 1.2rem;margin:.6rem 0;",
