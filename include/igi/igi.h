@@ -14,6 +14,7 @@
 #include <igi/lens.h>
 #include <igi/register.h>
 #include <igi/material.h>
+#include <igi/check.h>
 #include <igi/recover.h>
 #include <igi/export.h>
 #include <igi/render.h>

@@ -22,6 +22,8 @@
  * something. */
 #define ALL_BACK 0.9
 #define FEW_BACK 0.5
+#define FEWEST_AT_CEILING 16
+#define CEILING_SHARE 5e-4
 
 typedef struct frame_pixels {
     size_t count;
@@ -30,6 +32,7 @@ typedef struct frame_pixels {
     size_t broken;
     uint32_t first_broken;
     char *warning;     /* about the photograph; NULL: none */
+    size_t saturated;  /* pixels that show no lamp and are as bright as can be */
     size_t hits, back; /* pixels that show a surface, and its clockwise side */
 } frame_pixels;
 
@@ -40,6 +43,7 @@ typedef struct job {
     uint32_t keep_below; /* of a 32-bit hash; UINT32_MAX: all */
     frame_pixels *frames;
     igi_registration *registrations;
+    double *saturated;
 } job;
 
 static float mean_of_finite(const igi_image *image, int bands)
@@ -78,6 +82,41 @@ static int saturation_channel(const igi_image *image)
     return -1;
 }
 
+static bool shows_lamp(const igi_scene *scene, const igi_hit *hit)
+{
+    return hit->triangle != IGI_NO_HIT &&
+           scene->regions[scene->mesh.regions[hit->triangle]].emitter;
+}
+
+/* Noise gives the highest value once; a sensor that is full gives it again and again. ceiling[band]
+ * is that value, or infinite. */
+static void find_ceiling(const igi_scene *scene, const igi_image *image, const igi_visible *visible,
+                         float ceiling[IGI_MAX_BANDS])
+{
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    for (int b = 0; b < scene->bands; b++) {
+        float highest = -INFINITY;
+        size_t times = 0;
+        for (size_t i = 0; i < pixels; i++) {
+            float value = image->samples[i * (size_t)image->channels + (size_t)b];
+            if (!(value >= highest) || !isfinite(value) || shows_lamp(scene, &visible->hits[i]))
+                continue;
+            times = value > highest ? 1 : times + 1;
+            highest = value;
+        }
+        bool is_full = times >= FEWEST_AT_CEILING &&
+                       (double)times > CEILING_SHARE * (double)pixels && highest > 0;
+        ceiling[b] = is_full ? highest : INFINITY;
+    }
+}
+
+static bool is_saturated(const float *radiance, int saturated, const float *ceiling, int bands)
+{
+    bool is = saturated >= 0 && !(radiance[saturated] <= 0); /* NaN: beyond the lens */
+    for (int b = 0; b < bands; b++) is |= radiance[b] >= ceiling[b];
+    return is;
+}
+
 static void collect(const job *j, size_t frame, const igi_image *image, const igi_visible *visible)
 {
     frame_pixels *f = &j->frames[frame];
@@ -85,9 +124,14 @@ static void collect(const job *j, size_t frame, const igi_image *image, const ig
     float lowest = -NEGATIVE_SHARE * fmaxf(0, mean_of_finite(image, bands));
     uint32_t pixels = (uint32_t)(image->width * image->height);
     int saturated = saturation_channel(image);
+    float ceiling[IGI_MAX_BANDS];
+    find_ceiling(j->scene, image, visible, ceiling);
     for (uint32_t i = 0; i < pixels; i++) {
         const float *radiance = image->samples + (size_t)i * (size_t)image->channels;
-        if (saturated >= 0 && !(radiance[saturated] <= 0)) continue; /* NaN: beyond the lens */
+        if (is_saturated(radiance, saturated, ceiling, bands)) {
+            f->saturated += !shows_lamp(j->scene, &visible->hits[i]);
+            continue;
+        }
         if (is_broken(radiance, bands, lowest)) {
             if (f->broken++ == 0) f->first_broken = i;
             continue;
@@ -184,6 +228,7 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     IGI_TRY_GOTO(allocate_frame(ctx, &j->frames[frame], pixels, j->scene->bands));
     collect(j, frame, image, &visible);
     IGI_TRY_GOTO(check_pixels(ctx, j->scene, frame, &j->frames[frame], &visible));
+    j->saturated[frame] = (double)j->frames[frame].saturated / (double)pixels;
     IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, image, &visible, 1 / meta->camera.fl_x,
                                           &j->registrations[frame]));
 cleanup:
@@ -263,7 +308,9 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     o->bands = scene->bands;
     o->frame_count = scene->frame_count;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->registrations));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->saturated));
     j.registrations = o->registrations;
+    j.saturated = o->saturated;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
@@ -313,6 +360,7 @@ void igi_observations_destroy(igi_observations *observations)
     for (size_t i = 0; i < observations->warning_count; i++) igi_free(observations->warnings[i]);
     igi_free(observations->warnings);
     igi_free(observations->registrations);
+    igi_free(observations->saturated);
     igi_free(observations->frame_begin);
     igi_free(observations->surface);
     igi_free(observations->uv);

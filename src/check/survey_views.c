@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * A highlight is where a surface mirrors a lamp toward a camera: rays say where, whatever the
+ * photographs show there. What a photograph shows there counts only where its pixel can be used.
+ */
+#include "check/survey.h"
+
+#include "scene/camera.h"
+
+#include <math.h>
+
+#define POINTS 250       /* of a region, about */
+#define NEAR_COS 0.9976f /* 4 degrees from a lamp without size, */
+#define CONE 0.1f        /* or six about the mirror's direction: a lobe has a width */
+#define CONE_RAYS 7
+
+static bool near_small_lamp(const igi_survey *s, size_t light, igi_vec point, igi_vec direction)
+{
+    igi_light_sample sample;
+    switch (s->lights[light].type) {
+    case IGI_LIGHT_AREA:
+    case IGI_LIGHT_ENV:
+    case IGI_LIGHT_AMBIENT: return false;
+    default: break;
+    }
+    return igi_light_sample_toward(s->lighting, light, point, 0.5f, 0.5f, &sample) &&
+           igi_dot(sample.direction, direction) > NEAR_COS &&
+           !igi_light_hidden(s->tracer, point, &sample);
+}
+
+bool igi_survey_meets_lamp(const igi_survey *s, igi_vec point, igi_vec direction)
+{
+    igi_vec x, y;
+    igi_frame_of(direction, &x, &y);
+    for (int k = 0; k < CONE_RAYS; k++) {
+        float turn = 2.4f * (float)k, r = CONE * sqrtf((float)k / CONE_RAYS);
+        igi_vec ray = igi_madd(igi_madd(direction, x, r * cosf(turn)), y, r * sinf(turn));
+        igi_hit hit = igi_trace(s->tracer, point, igi_normalize(ray));
+        if (hit.triangle != IGI_NO_HIT && !hit.back &&
+            igi_lighting_of_triangle(s->lighting, hit.triangle) >= 0)
+            return true;
+    }
+    for (size_t l = 0; l < s->scene->light_count; l++)
+        if (near_small_lamp(s, l, point, direction)) return true;
+    return false;
+}
+
+/* One place before one camera. */
+static void look_from(const igi_survey *s, size_t frame, igi_vec point, igi_vec normal,
+                      igi_region_check *out)
+{
+    const igi_camera *camera = &s->scene->frames[frame].camera;
+    igi_vec eye = igi_camera_centre(camera), way = igi_sub(eye, point);
+    double x, y;
+    float cosine = igi_dot(way, normal) / igi_length(way);
+    if (cosine < 0) normal = igi_scale(normal, -1);
+    igi_vec start = igi_madd(point, normal, 2 * igi_tracer_epsilon(s->tracer));
+    if (!igi_camera_project(camera, point, &x, &y) || x < 0 || y < 0 || x >= camera->width ||
+        y >= camera->height || igi_occluded(s->tracer, start, eye))
+        return;
+    double angle = acos(fmin(1, fabs((double)cosine))) * 180 / IGI_PI;
+    out->angle_low_deg = isnan(out->angle_low_deg) ? angle : fmin(out->angle_low_deg, angle);
+    out->angle_high_deg = isnan(out->angle_high_deg) ? angle : fmax(out->angle_high_deg, angle);
+    way = igi_normalize(way);
+    igi_vec mirrored = igi_sub(igi_scale(normal, 2 * fabsf(cosine)), way);
+    if (!igi_survey_meets_lamp(s, start, mirrored)) return;
+    out->highlights_predicted++;
+    uint32_t pixel = (uint32_t)y * (uint32_t)camera->width + (uint32_t)x;
+    out->highlights_seen += igi_observation_at(s->observations, frame, pixel) != SIZE_MAX;
+}
+
+igi_status igi_survey_views(igi_context *ctx, const igi_survey *s, igi_check *check)
+{
+    size_t *patches;
+    IGI_TRY(IGI_ALLOC(ctx, check->region_count, &patches));
+    for (size_t r = 0; r < check->region_count; r++)
+        check->regions[r].angle_low_deg = check->regions[r].angle_high_deg = (double)NAN;
+    for (uint32_t p = 0; p < s->patches->count; p++)
+        if (s->patches->triangle[p] != IGI_NO_HIT) patches[igi_patch_region(s->patches, p)]++;
+    for (uint32_t p = 0; p < s->patches->count; p++) {
+        if (s->patches->triangle[p] == IGI_NO_HIT) continue;
+        uint32_t r = igi_patch_region(s->patches, p), triangle;
+        igi_rng rng = igi_rng_make(igi_seed(ctx) + 0x71e5, p);
+        if (check->regions[r].emitter || igi_rng_float(&rng) * (float)patches[r] > POINTS) continue;
+        float u, v;
+        igi_patch_sample(s->patches, p, &rng, &triangle, &u, &v);
+        igi_vec point = igi_triangle_point(&s->scene->mesh, triangle, u, v);
+        igi_vec normal = igi_tracer_normal(s->tracer, triangle);
+        for (size_t f = 0; f < s->scene->frame_count; f++)
+            look_from(s, f, point, normal, &check->regions[r]);
+        igi_count_rays(ctx, s->scene->frame_count);
+    }
+    igi_free(patches);
+    return IGI_OK;
+}
