@@ -2,6 +2,7 @@
 #include "check/check.h"
 
 #include "material/material.h"
+#include "observe/saturation.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -129,6 +130,7 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, const igi_trac
     igi_agreement *agreement = NULL;
     igi_faults *faults = NULL;
     igi_stage_begin(ctx, "agreement");
+    IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, o));
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, o, &agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, o, agreement, &faults));
     IGI_TRY_GOTO(igi_observations_mend(ctx, scene, agreement, faults, o));

@@ -143,7 +143,8 @@ static igi_status judge_registration(const igi_case *c)
         IGI_TRY(igi_case_find(c, a, typical > FAILING_PX ? IGI_FAILS : IGI_DOUBTFUL, typical,
                               "edges lie %.1f pixels off the mesh's in the typical photograph",
                               typical));
-        return igi_case_remedy(c, a, NULL, "register the cameras again, or mend the mesh");
+        return igi_case_remedy(c, a, NULL,
+                               "register the cameras again (igi register), or mend the mesh");
     }
     if (n == 0)
         return igi_case_find(c, a, IGI_HOLDS, typical,

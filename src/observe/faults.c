@@ -29,7 +29,6 @@
 #define ALL_OFF_PX 0.6
 #define KNOWN_PX 0.3 /* error of an offset that counts for all */
 #define FEWEST_KNOWN 3
-#define SATURATED 5e-4 /* of a photograph's pixels */
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -204,24 +203,6 @@ static igi_status warn_of_offset(igi_context *ctx, const igi_scene *scene, size_
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
-static igi_status warn_of_saturation(igi_context *ctx, const igi_scene *scene, igi_observations *o)
-{
-    size_t count = 0, most = 0;
-    char *sentence;
-    for (size_t f = 0; o->saturated && f < o->frame_count; f++) {
-        count += o->saturated[f] > SATURATED;
-        if (o->saturated[f] > o->saturated[most]) most = f;
-    }
-    if (count == 0) return IGI_OK;
-    IGI_TRY(
-        igi_strprintf(ctx, &sentence,
-                      "%zu of %zu photographs are saturated, image %s on %.2f %% of its pixels; "
-                      "these were left out, and highlights with them: coefficients of lobes "
-                      "may be wrong; add shorter exposures",
-                      count, o->frame_count, scene->frames[most].name, 100 * o->saturated[most]));
-    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
-}
-
 static igi_status warn_of_all(igi_context *ctx, const igi_faults *f, igi_observations *o)
 {
     char *sentence;
@@ -243,7 +224,7 @@ static igi_status warn_of_all(igi_context *ctx, const igi_faults *f, igi_observa
     if (!f->all_off) return IGI_OK;
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "the photographs' edges lie %.1f pixels off the mesh's; register the "
-                          "cameras again, or mend the mesh",
+                          "cameras again (igi register), or mend the mesh",
                           f->offset_px));
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
@@ -261,7 +242,6 @@ igi_status igi_observations_mend(igi_context *ctx, const igi_scene *scene,
             IGI_TRY(warn_of_frame(ctx, scene, &agreement->frames[i], &f, i, observations));
         if (f.off && !faults->all_off) IGI_TRY(warn_of_offset(ctx, scene, i, observations));
     }
-    IGI_TRY(warn_of_saturation(ctx, scene, observations));
     return warn_of_all(ctx, faults, observations);
 }
 

@@ -22,8 +22,6 @@
  * something. */
 #define ALL_BACK 0.9
 #define FEW_BACK 0.5
-#define FEWEST_AT_CEILING 16
-#define CEILING_SHARE 5e-4
 
 typedef struct frame_pixels {
     size_t count;
@@ -32,7 +30,6 @@ typedef struct frame_pixels {
     size_t broken;
     uint32_t first_broken;
     char *warning;     /* about the photograph; NULL: none */
-    size_t saturated;  /* pixels that show no lamp and are as bright as can be */
     size_t hits, back; /* pixels that show a surface, and its clockwise side */
 } frame_pixels;
 
@@ -82,41 +79,6 @@ static int saturation_channel(const igi_image *image)
     return -1;
 }
 
-static bool shows_lamp(const igi_scene *scene, const igi_hit *hit)
-{
-    return hit->triangle != IGI_NO_HIT &&
-           scene->regions[scene->mesh.regions[hit->triangle]].emitter;
-}
-
-/* Noise gives the highest value once; a sensor that is full gives it again and again. ceiling[band]
- * is that value, or infinite. */
-static void find_ceiling(const igi_scene *scene, const igi_image *image, const igi_visible *visible,
-                         float ceiling[IGI_MAX_BANDS])
-{
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    for (int b = 0; b < scene->bands; b++) {
-        float highest = -INFINITY;
-        size_t times = 0;
-        for (size_t i = 0; i < pixels; i++) {
-            float value = image->samples[i * (size_t)image->channels + (size_t)b];
-            if (!(value >= highest) || !isfinite(value) || shows_lamp(scene, &visible->hits[i]))
-                continue;
-            times = value > highest ? 1 : times + 1;
-            highest = value;
-        }
-        bool is_full = times >= FEWEST_AT_CEILING &&
-                       (double)times > CEILING_SHARE * (double)pixels && highest > 0;
-        ceiling[b] = is_full ? highest : INFINITY;
-    }
-}
-
-static bool is_saturated(const float *radiance, int saturated, const float *ceiling, int bands)
-{
-    bool is = saturated >= 0 && !(radiance[saturated] <= 0); /* NaN: beyond the lens */
-    for (int b = 0; b < bands; b++) is |= radiance[b] >= ceiling[b];
-    return is;
-}
-
 static void collect(const job *j, size_t frame, const igi_image *image, const igi_visible *visible)
 {
     frame_pixels *f = &j->frames[frame];
@@ -124,12 +86,10 @@ static void collect(const job *j, size_t frame, const igi_image *image, const ig
     float lowest = -NEGATIVE_SHARE * fmaxf(0, mean_of_finite(image, bands));
     uint32_t pixels = (uint32_t)(image->width * image->height);
     int saturated = saturation_channel(image);
-    float ceiling[IGI_MAX_BANDS];
-    find_ceiling(j->scene, image, visible, ceiling);
     for (uint32_t i = 0; i < pixels; i++) {
         const float *radiance = image->samples + (size_t)i * (size_t)image->channels;
-        if (is_saturated(radiance, saturated, ceiling, bands)) {
-            f->saturated += !shows_lamp(j->scene, &visible->hits[i]);
+        if (saturated >= 0 && !(radiance[saturated] <= 0)) { /* NaN: beyond the lens */
+            j->saturated[frame] += radiance[saturated] > 0 ? 1.0 / pixels : 0;
             continue;
         }
         if (is_broken(radiance, bands, lowest)) {
@@ -228,7 +188,6 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     IGI_TRY_GOTO(allocate_frame(ctx, &j->frames[frame], pixels, j->scene->bands));
     collect(j, frame, image, &visible);
     IGI_TRY_GOTO(check_pixels(ctx, j->scene, frame, &j->frames[frame], &visible));
-    j->saturated[frame] = (double)j->frames[frame].saturated / (double)pixels;
     IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, image, &visible, 1 / meta->camera.fl_x,
                                           &j->registrations[frame]));
 cleanup:

@@ -32,15 +32,13 @@ typedef struct igi_observations {
     uint32_t *pixel;                 /* [count] row * width + column in its frame */
     float *radiance;                 /* [count][bands], W m^-2 sr^-1 */
     igi_registration *registrations; /* [frame_count] */
-    double
-        *saturated; /* [frame_count] share of pixels, lamps apart, that are as bright as can be */
+    double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t warning_count;
     char **warnings;
 } igi_observations;
 
 /* Reads every photograph of the scene once, finds what each pixel shows, and leaves out pixels near
- * edges, pixels that show nothing, pixels that a merge marks as saturated or that are cut off at the
- * photograph's highest value, and pixels that are not
+ * edges, pixels that show nothing, pixels that a merge marks as saturated, and pixels that are not
  * finite or clearly negative (with a warning that names the first). Of more than `limit` pixels an even share is kept (0: 8 million).
  * IGI_E_DATA when a photograph has no usable pixel because its camera sees no surface, or too many
  * of its pixels are broken. */

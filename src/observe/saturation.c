@@ -9,19 +9,23 @@
 #include <string.h>
 
 #define FEWEST_CLIPPED 5
+/* The same within one photograph. */
+#define FEWEST_OF_ONE 16
+#define CLIPPED_SHARE 5e-4
 
 static const igi_region *region_of(const igi_scene *scene, const igi_observations *o, size_t i)
 {
     return &scene->regions[scene->mesh.regions[igi_surface_triangle(o->surface[i])]];
 }
 
-/* The largest value of each band on surfaces, INFINITY where too few pixels share it. */
-static size_t find_tops(const igi_scene *scene, const igi_observations *o,
-                        float tops[IGI_MAX_BANDS])
+/* The largest value of each band on surfaces among observations [first, end), INFINITY where fewer
+ * than so many pixels share it, or nearly all do: then the light is even. */
+static void find_tops(const igi_scene *scene, const igi_observations *o, const size_t range[2],
+                      size_t fewest, float tops[IGI_MAX_BANDS])
 {
-    size_t shared[IGI_MAX_BANDS] = {0}, clipped = 0, bands = (size_t)o->bands;
+    size_t shared[IGI_MAX_BANDS] = {0}, bands = (size_t)o->bands;
     for (size_t b = 0; b < bands; b++) tops[b] = 0;
-    for (size_t i = 0; i < o->count; i++) {
+    for (size_t i = range[0]; i < range[1]; i++) {
         if (region_of(scene, o, i)->emitter) continue;
         for (size_t b = 0; b < bands; b++) {
             float x = o->radiance[i * bands + b];
@@ -30,11 +34,8 @@ static size_t find_tops(const igi_scene *scene, const igi_observations *o,
             tops[b] = fmaxf(tops[b], x);
         }
     }
-    for (size_t b = 0; b < bands; b++) {
-        if (shared[b] < FEWEST_CLIPPED) tops[b] = INFINITY;
-        else clipped += shared[b];
-    }
-    return clipped;
+    for (size_t b = 0; b < bands; b++)
+        if (shared[b] < fewest || 2 * shared[b] > range[1] - range[0]) tops[b] = INFINITY;
 }
 
 static bool is_clipped(const igi_observations *o, size_t i, const float tops[IGI_MAX_BANDS])
@@ -53,13 +54,26 @@ static void move(igi_observations *o, size_t from, size_t to)
     memmove(o->radiance + to * bands, o->radiance + from * bands, bands * sizeof *o->radiance);
 }
 
+/* The lower of the limit that all photographs share and that of one, whose exposure may differ. */
+static void lower_tops(const igi_scene *scene, const igi_observations *o, const size_t range[2],
+                       float tops[IGI_MAX_BANDS])
+{
+    float own[IGI_MAX_BANDS];
+    size_t fewest = (size_t)(CLIPPED_SHARE * (double)(range[1] - range[0]));
+    find_tops(scene, o, range, fewest > FEWEST_OF_ONE ? fewest : FEWEST_OF_ONE, own);
+    for (int b = 0; b < o->bands; b++) tops[b] = fminf(tops[b], own[b]);
+}
+
 /* Leaves them out, but for lamps, of which a lower bound is better than nothing. */
 static size_t leave_out(const igi_scene *scene, igi_observations *o,
-                        const float tops[IGI_MAX_BANDS], const igi_region **lamp)
+                        const float common[IGI_MAX_BANDS], const igi_region **lamp)
 {
     size_t kept = 0, next = 0;
     for (size_t f = 0; f < o->frame_count; f++) {
-        size_t end = o->frame_begin[f + 1];
+        size_t end = o->frame_begin[f + 1], first = kept, seen = end - next;
+        float tops[IGI_MAX_BANDS];
+        memcpy(tops, common, sizeof tops);
+        lower_tops(scene, o, (const size_t[2]){next, end}, tops);
         for (; next < end; next++) {
             bool clipped = is_clipped(o, next, tops);
             const igi_region *region = region_of(scene, o, next);
@@ -68,6 +82,7 @@ static size_t leave_out(const igi_scene *scene, igi_observations *o,
             move(o, next, kept++);
         }
         o->frame_begin[f + 1] = kept;
+        if (o->saturated && seen > 0) o->saturated[f] += 1 - (double)(kept - first) / (double)seen;
     }
     size_t left_out = o->count - kept;
     o->count = kept;
@@ -76,10 +91,11 @@ static size_t leave_out(const igi_scene *scene, igi_observations *o,
 
 igi_status igi_observations_unclip(igi_context *ctx, const igi_scene *scene, igi_observations *o)
 {
-    float tops[IGI_MAX_BANDS];
+    float tops[IGI_MAX_BANDS] = {0};
     const igi_region *lamp = NULL;
-    if (find_tops(scene, o, tops) == 0) return IGI_OK;
+    find_tops(scene, o, (const size_t[2]){0, o->count}, FEWEST_CLIPPED, tops);
     size_t left_out = leave_out(scene, o, tops, &lamp);
+    if (left_out == 0) return IGI_OK;
     char *sentence;
     IGI_TRY(igi_strprintf(
         ctx, &sentence,
