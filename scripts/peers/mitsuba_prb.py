@@ -12,13 +12,15 @@ find out. CURVE.csv receives a line a step, the errors as `igi validate` defines
 speed --peer CURVE.csv` draws it. CPU seconds are those of the whole process, all threads, from its
 start. Run it twice and keep the second: compiled kernels come from Dr.Jit's cache then.
 
-Needs mitsuba, numpy and OpenEXR from PyPI, and LLVM's library (Debian: libllvm14; DRJIT_LIBLLVM_PATH).
+Needs mitsuba, numpy and OpenEXR from PyPI, and LLVM's library, 17 or newer (Debian: libllvm19).
 """
 import argparse
 import csv
+import glob
 import json
 import math
 import os
+import re
 import sys
 import time
 
@@ -28,7 +30,21 @@ from z_test import light_plugin, load_mesh, read_exr, read_obj
 
 FLOOR = .02          # of an albedo, in a relative error: as in src/report/validate.c
 DARK = .1            # of the mean pixel, added in the weights of the loss
+OLDEST_LLVM = 17     # older ones end the process: Dr.Jit 1 asks for instructions they lack
 START_ALBEDO, START_SPECULAR, START_ALPHA = .5, .05, .2
+
+
+def find_llvm():
+    """Names the newest LLVM to Dr.Jit, which takes the first that it meets; false: none will do."""
+    if "DRJIT_LIBLLVM_PATH" in os.environ:
+        return True
+    found = [(int(match.group(1)), path)
+             for path in glob.glob("/usr/lib/*/libLLVM*.so*") + glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*")
+             if (match := re.search(r"libLLVM(?:-|\.so\.)(\d+)", path))]
+    if not found or max(found)[0] < OLDEST_LLVM:
+        return False
+    os.environ["DRJIT_LIBLLVM_PATH"] = max(found)[1]
+    return True
 
 
 def define_ward(mi, dr):
@@ -304,15 +320,16 @@ def arguments():
 
 def main():
     options = arguments()
+    if not find_llvm():
+        print(f"skipped: no LLVM {OLDEST_LLVM} or newer (Debian: libllvm19)")
+        return 77
     try:
         import drjit as dr
         import mitsuba as mi
         mi.set_variant("llvm_ad_rgb")
         dr.set_thread_count(options.threads)
-        dr.eval(mi.Float(1) + 1)
     except (ImportError, RuntimeError) as error:
-        print(f"skipped: Mitsuba with LLVM does not run here ({error}); "
-              "python3 -m pip install mitsuba, apt install libllvm14")
+        print(f"skipped: Mitsuba does not run here ({error}); python3 -m pip install mitsuba")
         return 77
     define_ward(mi, dr)
 

@@ -58,7 +58,7 @@ igi_status chart_spare_draw(igi_context *ctx, const spare_rows *rows, const char
 {
     FILE *script;
     size_t scenes = 0, most = 1;
-    double low = INFINITY, high = 0;
+    double low = (double)INFINITY, high = 0;
     for (size_t i = 0; i < rows->count; i++) {
         const spare_row *r = &rows->rows[i];
         scenes += i == 0 || strcmp(r->scene, rows->rows[i - 1].scene) != 0;

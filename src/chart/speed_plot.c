@@ -196,7 +196,7 @@ static size_t list_scenes(const speed_rows *rows, const char **scenes, size_t ro
 
 static range times_of(const char *scene, const speed_rows *rows, const peer_curves *peers)
 {
-    range x = {INFINITY, 0};
+    range x = {(double)INFINITY, 0};
     for (size_t i = 0; i < rows->count; i++)
         if (strcmp(rows->rows[i].scene, scene) == 0) widen(&x, rows->rows[i].cpu_s);
     for (size_t i = 0; i < peers->count; i++)
@@ -209,7 +209,7 @@ static range times_of(const char *scene, const speed_rows *rows, const peer_curv
 
 static range errors_of(size_t kind, const speed_rows *rows, const peer_curves *peers)
 {
-    range y = {INFINITY, 0};
+    range y = {(double)INFINITY, 0};
     for (size_t i = 0; i < rows->count; i++) widen(&y, 100 * error_of(&rows->rows[i], kind));
     for (size_t i = 0; y.high > 0 && i < peers->count; i++)
         for (size_t k = 0; k < peers->curves[i].count; k++)
