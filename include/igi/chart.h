@@ -62,10 +62,12 @@ IGI_API IGI_MUST_USE igi_status igi_chart_stability(igi_context *context,
 IGI_API void igi_stability_destroy(igi_stability *stability);
 
 /* Every method with a ladder of budgets on each scene: errors against CPU seconds, rays and memory.
- * Writes into the existing folder speed.csv, .gp (for gnuplot), .svg and .png; parsimony.* likewise,
- * error against the number of a result's parameters. All but the columns cpu_s, ratio, peak_mb and
- * front is the same for the same input and seed. Where gnuplot is missing nothing is drawn, with a
- * warning. */
+ * Writes into the existing folder
+ *   speed.csv, .gp (for gnuplot), .svg, .png   a line a method and budget
+ *   parsimony.csv, .gp, .svg, .png             error against the number of a result's parameters
+ *   reach.csv, peers.csv                       when an error is reached, by igi and by peers.
+ * The same input and seed give the same bytes, but for speed.csv's last columns (cpu_s, ratio,
+ * peak_mb, front) and for times in reach.csv. Without gnuplot nothing is drawn, with a warning. */
 IGI_API IGI_MUST_USE igi_status igi_chart_speed(igi_context *context,
                                                 const igi_chart_options *options,
                                                 const char *folder);

@@ -4,19 +4,14 @@
  * the recovery, from the photographs' files to materials with maps, on one thread.
  */
 #include "chart/speed.h"
-#include "chart/sweep.h"
-
-#include "base/vec.h"
 
 #include <igi/output.h>
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#define PATCH_SHARE 0.0105 /* of the scene's diagonal: what recovery takes by itself */
-#define RELIT_WIDTH 96     /* pixels: enough for a mean over a picture */
+#define RELIT_WIDTH 96 /* pixels: enough for a mean over a picture */
 #define RELIT_SAMPLES 64
 
 /* A rung: the side of a patch in multiples of the standard one, and rays; 0: the method's own. */
@@ -42,79 +37,6 @@ static const rung ladder[] = {
     {IGI_METHOD_DIRECT, 2.5, 0, false},    {IGI_METHOD_DIRECT, 1, 0, true},
     {IGI_METHOD_DIRECT, .7, 0, false}};
 
-static const char *const standard_specs[] = {"demo-room.json", "sweeps/rooms/room.json"};
-
-enum { STANDARD_SPECS = sizeof standard_specs / sizeof standard_specs[0] };
-
-/* A scene of the chart. */
-typedef struct subject {
-    igi_scene *scene;
-    igi_materials *truth;
-    double patch_m;    /* the standard one */
-    igi_light *lights; /* novel ones, to relight with; NULL: none are known */
-    size_t light_count;
-} subject;
-
-static void clear_subject(subject *s)
-{
-    igi_lights_destroy(s->lights, s->light_count);
-    igi_materials_destroy(s->truth);
-    igi_scene_destroy(s->scene);
-    *s = (subject){0};
-}
-
-static double diagonal(const igi_mesh *mesh)
-{
-    igi_vec low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t v = 0; v < mesh->vertex_count; v++) {
-        const float *p = mesh->positions + 3 * v;
-        low = (igi_vec){fminf(low.x, p[0]), fminf(low.y, p[1]), fminf(low.z, p[2])};
-        high = (igi_vec){fmaxf(high.x, p[0]), fmaxf(high.y, p[1]), fmaxf(high.z, p[2])};
-    }
-    return (double)igi_length(igi_sub(high, low));
-}
-
-static igi_status load_subject(igi_context *ctx, const char *folder, bool relit, subject *s)
-{
-    igi_status status = IGI_OK;
-    char *path = NULL;
-    *s = (subject){0};
-    IGI_TRY_GOTO(igi_scene_load(ctx, folder, &s->scene));
-    IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/truth", folder));
-    IGI_TRY_GOTO(igi_materials_load(ctx, path, &s->truth));
-    s->patch_m = PATCH_SHARE * diagonal(&s->scene->mesh);
-    if (relit) {
-        igi_free(path);
-        path = NULL;
-        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/relit/lights.json", folder));
-        IGI_TRY_GOTO(igi_lights_load(ctx, s->scene, path, &s->lights, &s->light_count));
-    }
-cleanup:
-    igi_free(path);
-    if (status != IGI_OK) clear_subject(s);
-    return status;
-}
-
-/* The scene, a folder or a spec that is rendered first; or the n-th standard one. */
-static igi_status make_subject(igi_context *ctx, const igi_chart_options *options, size_t n,
-                               const char *rooms, subject *s)
-{
-    igi_status status = IGI_OK;
-    char *base = NULL;
-    chart_room room = {.seed = 0};
-    const igi_json no_changes = {.value = NULL};
-    if (options->scene_count) IGI_TRY_GOTO(igi_strdup(ctx, options->scenes[n], &base));
-    else IGI_TRY_GOTO(igi_strprintf(ctx, &base, "%s/%s", options->datasets, standard_specs[n]));
-    IGI_TRY_GOTO(
-        chart_room_plan(ctx, base, &no_changes, 0, igi_seed(ctx), rooms, options->small, &room));
-    IGI_TRY_GOTO(chart_room_make(ctx, &room));
-    IGI_TRY_GOTO(load_subject(ctx, room.folder, options->relit, s));
-cleanup:
-    chart_room_clear(&room);
-    igi_free(base);
-    return status;
-}
-
 /* Lets the most resident memory begin anew, where the system can (Linux: proc(5), clear_refs). */
 static void forget_peak(void)
 {
@@ -125,7 +47,8 @@ static void forget_peak(void)
 }
 
 /* Under lights that recovery never saw, as the first camera sees it. */
-static igi_status relight(igi_context *ctx, const subject *s, const chart_case *c, double *error)
+static igi_status relight(igi_context *ctx, const speed_subject *s, const chart_case *c,
+                          double *error)
 {
     igi_camera camera = s->scene->frames[0].camera;
     double shrink = RELIT_WIDTH / (double)camera.width;
@@ -159,7 +82,8 @@ static void describe(const chart_case *c, speed_row *row)
     row->parameters = chart_parameters(c->materials);
 }
 
-static igi_status climb(igi_context *ctx, const subject *s, const rung *step, speed_rows *rows)
+static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *step,
+                        speed_rows *rows)
 {
     igi_status status = IGI_OK;
     chart_case c = {.status = IGI_OK};
@@ -201,7 +125,7 @@ static void mark_front(speed_row *rows, size_t count)
 }
 
 /* How few parameters would have done: with lobes where evidence asks for them, and without. */
-static igi_status spare(igi_context *ctx, const subject *s, spare_rows *rows)
+static igi_status spare(igi_context *ctx, const speed_subject *s, spare_rows *rows)
 {
     static const struct {
         const char *name;
@@ -227,7 +151,7 @@ typedef struct range {
 } range;
 
 /* The first recovery of a process pays for reading files and touching memory; nobody counts it. */
-static igi_status warm_up(igi_context *ctx, const subject *s)
+static igi_status warm_up(igi_context *ctx, const speed_subject *s)
 {
     chart_case c;
     igi_recover_options options;
@@ -245,7 +169,8 @@ typedef struct tables {
     peer_curves peers;
 } tables;
 
-static igi_status run_scene(igi_context *ctx, const subject *s, bool small, range part, tables *t)
+static igi_status run_scene(igi_context *ctx, const speed_subject *s, bool small, range part,
+                            tables *t)
 {
     size_t steps = sizeof ladder / sizeof ladder[0], first = t->speed.count;
     IGI_TRY(warm_up(ctx, s));
@@ -260,11 +185,12 @@ static igi_status run_scene(igi_context *ctx, const subject *s, bool small, rang
 }
 
 static igi_status run_all(igi_context *ctx, const igi_chart_options *options, const char *rooms,
-                          subject *subjects, size_t count, tables *t)
+                          speed_subject *subjects, size_t count, tables *t)
 {
     igi_stage_begin(ctx, "rooms"); /* mistakes are found before the long work */
     if (options->peer) IGI_TRY(chart_peers_load(ctx, options->peer, &t->peers));
-    for (size_t i = 0; i < count; i++) IGI_TRY(make_subject(ctx, options, i, rooms, &subjects[i]));
+    for (size_t i = 0; i < count; i++)
+        IGI_TRY(speed_subject_make(ctx, options, i, rooms, &subjects[i]));
     igi_stage_begin(ctx, "speed");
     for (size_t i = 0; i < count; i++) {
         range part = {(double)i / (double)count, (double)(i + 1) / (double)count};
@@ -277,10 +203,10 @@ igi_status igi_chart_speed(igi_context *ctx, const igi_chart_options *options, c
 {
     igi_status status = IGI_OK;
     tables t = {.speed.count = 0};
-    subject *subjects = NULL;
+    speed_subject *subjects = NULL;
     igi_output *scratch = NULL;
     char *path = NULL;
-    size_t count = options->scene_count ? options->scene_count : STANDARD_SPECS;
+    size_t count = options->scene_count ? options->scene_count : SPEED_STANDARD_SCENES;
     const char *rooms = options->cache;
     if (!rooms) { /* never committed: what is rendered there goes when it is destroyed */
         IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/scratch", folder));
@@ -293,7 +219,7 @@ igi_status igi_chart_speed(igi_context *ctx, const igi_chart_options *options, c
     IGI_TRY_GOTO(chart_spare_save(ctx, &t.spare, folder));
 cleanup:
     igi_stage_begin(ctx, NULL);
-    for (size_t i = 0; subjects && i < count; i++) clear_subject(&subjects[i]);
+    for (size_t i = 0; subjects && i < count; i++) speed_subject_clear(&subjects[i]);
     igi_free(subjects);
     igi_free(t.speed.rows);
     igi_free(t.spare.rows);

@@ -58,6 +58,23 @@ typedef struct peer_curves {
     peer_curve *curves;
 } peer_curves;
 
+enum { SPEED_STANDARD_SCENES = 2 };
+
+/* A scene of the chart. */
+typedef struct speed_subject {
+    igi_scene *scene;
+    igi_materials *truth;
+    double patch_m;    /* the standard one */
+    igi_light *lights; /* novel ones, to relight with; NULL: none are known */
+    size_t light_count;
+} speed_subject;
+
+/* Loads the n-th scene of the options, or the n-th standard one where they name none; a spec is
+ * rendered into the folder `rooms` unless it is there. */
+IGI_MUST_USE igi_status speed_subject_make(igi_context *ctx, const igi_chart_options *options,
+                                           size_t n, const char *rooms, speed_subject *subject);
+void speed_subject_clear(speed_subject *subject);
+
 /* CPU seconds of a fixed piece of work, a million rays and their random numbers: what times are
  * divided by to compare machines and days. */
 IGI_MUST_USE igi_status chart_reference_seconds(igi_context *ctx, double *seconds);

@@ -71,6 +71,66 @@ static igi_status save_peers(igi_context *ctx, const peer_curves *peers, const c
     return close_table(ctx, folder, "peers.csv", file);
 }
 
+/* The quickest recovery of a scene whose mean error of albedo is at most `below`; NULL: none. */
+static const speed_row *reach(const speed_rows *rows, const char *scene, double below)
+{
+    const speed_row *best = NULL;
+    for (size_t i = 0; i < rows->count; i++) {
+        const speed_row *r = &rows->rows[i];
+        if (strcmp(r->scene, scene) != 0 || !(r->albedo <= below)) continue;
+        if (!best || r->cpu_s < best->cpu_s) best = r;
+    }
+    return best;
+}
+
+/* From when on a peer's error stays at most `below`; NaN: never. */
+static double stays(const peer_curve *c, double below)
+{
+    for (size_t k = 0; k < c->count; k++)
+        if (c->points[k].errors[0] <= below) return c->points[k].cpu_s;
+    return (double)NAN;
+}
+
+/* The peer that is there first, when, and how much longer that takes. */
+static void put_best_peer(FILE *file, const peer_curves *peers, const char *scene, double below,
+                          double cpu_s)
+{
+    double first = (double)NAN;
+    const char *name = "";
+    for (size_t i = 0; i < peers->count; i++) {
+        if (strcmp(peers->curves[i].scene, scene) != 0) continue;
+        double s = stays(&peers->curves[i], below);
+        if (!name[0] || s < first || isnan(first)) name = peers->curves[i].peer;
+        first = fmin(first, s);
+    }
+    fputs(",", file);
+    put_name(file, name);
+    put(file, first);
+    put(file, first / cpu_s);
+    fputs("\n", file);
+}
+
+static igi_status save_reach(igi_context *ctx, const speed_rows *rows, const peer_curves *peers,
+                             const char *folder)
+{
+    static const double levels[] = {.1, .05, .02, .01, .005, .002, .001, .0005};
+    FILE *file;
+    IGI_TRY(open_table(ctx, folder, "reach.csv",
+                       "scene,albedo_mean,method,cpu_s,peer,peer_cpu_s,times", &file));
+    for (size_t i = 0; i < rows->count; i++) {
+        const char *scene = rows->rows[i].scene;
+        if (i > 0 && strcmp(scene, rows->rows[i - 1].scene) == 0) continue;
+        for (size_t k = 0; k < sizeof levels / sizeof levels[0]; k++) {
+            const speed_row *r = reach(rows, scene, levels[k]);
+            if (!r) continue;
+            put_name(file, scene);
+            fprintf(file, ",%g,%s,%.2f", levels[k], igi_method_name(r->method), r->cpu_s);
+            put_best_peer(file, peers, scene, levels[k], r->cpu_s);
+        }
+    }
+    return close_table(ctx, folder, "reach.csv", file);
+}
+
 igi_status chart_speed_save(igi_context *ctx, const speed_rows *rows, const peer_curves *peers,
                             const char *folder)
 {
@@ -82,6 +142,7 @@ igi_status chart_speed_save(igi_context *ctx, const speed_rows *rows, const peer
     for (size_t i = 0; i < rows->count; i++) put_row(file, &rows->rows[i]);
     IGI_TRY(close_table(ctx, folder, "speed.csv", file));
     IGI_TRY(save_peers(ctx, peers, folder));
+    IGI_TRY(save_reach(ctx, rows, peers, folder));
     return chart_speed_draw(ctx, rows, peers, folder);
 }
 

@@ -43,6 +43,12 @@ awk -F, -v f="$(column front charts/speed.csv)" '$f == 1 && $2 == "patches"' cha
     "albedo_mean,cpu_s 0.5,1.000 0.2,2.000 0.2,3.000 0.1,4.000 " ] ||
     fail "peers.csv: $(cat charts/peers.csv)"
 
+# When an error is reached: at once, and by the peer at 4 s, never at 1 %.
+grep -qE '^mini,0\.1,(patches|radiosity),0\.[0-9]+,other,4,[0-9.]+$' charts/reach.csv ||
+    fail "reach.csv: $(cat charts/reach.csv)"
+grep -qE '^mini,0\.01,patches,0\.[0-9]+,other,,$' charts/reach.csv ||
+    fail "reach.csv: $(cat charts/reach.csv)"
+
 # Each map in fewer and fewer texels, down to one albedo a region: with it the texture is lost.
 size=$(column map_size charts/parsimony.csv)
 error=$(column error charts/parsimony.csv)

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The speed chart's scenes: folders, or specs that are rendered first.
+ */
+#include "chart/speed.h"
+#include "chart/sweep.h"
+
+#include <math.h>
+
+#define PATCH_SHARE 0.0105 /* of the scene's diagonal: what recovery takes by itself */
+
+static const char *const standard_specs[SPEED_STANDARD_SCENES] = {"demo-room.json",
+                                                                  "sweeps/rooms/room.json"};
+
+void speed_subject_clear(speed_subject *s)
+{
+    igi_lights_destroy(s->lights, s->light_count);
+    igi_materials_destroy(s->truth);
+    igi_scene_destroy(s->scene);
+    *s = (speed_subject){0};
+}
+
+static double diagonal(const igi_mesh *mesh)
+{
+    igi_vec low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        const float *p = mesh->positions + 3 * v;
+        low = (igi_vec){fminf(low.x, p[0]), fminf(low.y, p[1]), fminf(low.z, p[2])};
+        high = (igi_vec){fmaxf(high.x, p[0]), fmaxf(high.y, p[1]), fmaxf(high.z, p[2])};
+    }
+    return (double)igi_length(igi_sub(high, low));
+}
+
+static igi_status load_subject(igi_context *ctx, const char *folder, bool relit, speed_subject *s)
+{
+    igi_status status = IGI_OK;
+    char *path = NULL;
+    *s = (speed_subject){0};
+    IGI_TRY_GOTO(igi_scene_load(ctx, folder, &s->scene));
+    IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/truth", folder));
+    IGI_TRY_GOTO(igi_materials_load(ctx, path, &s->truth));
+    s->patch_m = PATCH_SHARE * diagonal(&s->scene->mesh);
+    if (relit) {
+        igi_free(path);
+        path = NULL;
+        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/relit/lights.json", folder));
+        IGI_TRY_GOTO(igi_lights_load(ctx, s->scene, path, &s->lights, &s->light_count));
+    }
+cleanup:
+    igi_free(path);
+    if (status != IGI_OK) speed_subject_clear(s);
+    return status;
+}
+
+igi_status speed_subject_make(igi_context *ctx, const igi_chart_options *options, size_t n,
+                              const char *rooms, speed_subject *s)
+{
+    igi_status status = IGI_OK;
+    char *base = NULL;
+    chart_room room = {.seed = 0};
+    const igi_json no_changes = {.value = NULL};
+    if (options->scene_count) IGI_TRY_GOTO(igi_strdup(ctx, options->scenes[n], &base));
+    else IGI_TRY_GOTO(igi_strprintf(ctx, &base, "%s/%s", options->datasets, standard_specs[n]));
+    IGI_TRY_GOTO(
+        chart_room_plan(ctx, base, &no_changes, 0, igi_seed(ctx), rooms, options->small, &room));
+    IGI_TRY_GOTO(chart_room_make(ctx, &room));
+    IGI_TRY_GOTO(load_subject(ctx, room.folder, options->relit, s));
+cleanup:
+    chart_room_clear(&room);
+    igi_free(base);
+    return status;
+}
