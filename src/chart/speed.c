@@ -87,7 +87,7 @@ static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *st
 {
     igi_status status = IGI_OK;
     chart_case c = {.status = IGI_OK};
-    double reference = 1;
+    double before, after; /* a busy machine is slow, and not always equally so */
     igi_recover_options options;
     igi_recover_options_init(&options);
     options.method = step->method;
@@ -101,11 +101,12 @@ static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *st
                        .method = step->method,
                        .patch_m = options.patch_m,
                        .rays_each = step->rays};
-    IGI_TRY(chart_reference_seconds(ctx, &reference));
+    IGI_TRY(chart_reference_seconds(ctx, &before));
     forget_peak();
     IGI_TRY_GOTO(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
     describe(&c, row);
-    row->ratio = row->cpu_s / reference;
+    IGI_TRY_GOTO(chart_reference_seconds(ctx, &after));
+    row->ratio = row->cpu_s / ((before + after) / 2);
     if (s->lights && c.materials) IGI_TRY_GOTO(relight(ctx, s, &c, &row->relit));
     rows->count++;
 cleanup:
