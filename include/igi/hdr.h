@@ -46,11 +46,14 @@ IGI_API void igi_response_destroy(igi_response *response);
 typedef enum igi_response_kind {
     IGI_RESPONSE_AUTO, /* linear for raw and 16-bit photographs, else recovered */
     IGI_RESPONSE_LINEAR,
-    IGI_RESPONSE_SRGB,      /* the standard's curve (IEC 61966-2-1) */
-    IGI_RESPONSE_GIVEN,     /* igi_merge_options.given */
-    IGI_RESPONSE_RECOVERED, /* from all pixels of the bracket */
-    IGI_RESPONSE_DEBEVEC,   /* Debevec and Malik 1997, OpenCV's */
-    IGI_RESPONSE_ROBERTSON  /* Robertson, Borman and Stevenson 2003, OpenCV's */
+    IGI_RESPONSE_SRGB,       /* the standard's curve (IEC 61966-2-1) */
+    IGI_RESPONSE_GIVEN,      /* igi_merge_options.given */
+    IGI_RESPONSE_RECOVERED,  /* from all pixels of the bracket */
+    IGI_RESPONSE_POLYNOMIAL, /* likewise, as a polynomial (Mitsunaga and Nayar 1999) */
+    IGI_RESPONSE_EMOR,    /* likewise, from the space of known responses (Grossberg and Nayar 2003);
+                        * its table is igi_merge_options.basis_path */
+    IGI_RESPONSE_DEBEVEC, /* Debevec and Malik 1997, OpenCV's */
+    IGI_RESPONSE_ROBERTSON /* Robertson, Borman and Stevenson 2003, OpenCV's */
 } igi_response_kind;
 
 typedef enum igi_merge_method {
@@ -63,6 +66,7 @@ typedef struct igi_merge_options {
     size_t struct_size;
     igi_response_kind response; /* default IGI_RESPONSE_AUTO */
     const igi_response *given;
+    const char *basis_path;  /* the EMoR model's invemor.txt; igi does not carry it */
     igi_merge_method method; /* default IGI_MERGE_PHOTON */
     bool align;              /* find and undo whole-pixel shifts between exposures; default */
     bool refine;             /* exposure ratios from the pictures where the response is known;
@@ -79,11 +83,13 @@ typedef struct igi_merged_frame {
     int shift_x, shift_y; /* pixels: its content stands that much further right and down than in
                            * the shortest exposure */
     double saturated;     /* fraction of its samples */
+    double moved;         /* fraction of its pixels that show another thing than longer exposures;
+                           * they are left out */
 } igi_merged_frame;
 
 typedef struct igi_merged {
     igi_image *image; /* R G B (or Y): radiance, full scale / h; "saturated": 1 where even the
-                       * shortest exposure was; "variance.B" ..: of the colour of that name */
+                       * shortest exposure was, .5 where something moved between exposures; "variance.B" ..: of the colour of that name */
     igi_response *response;
     size_t count;
     igi_merged_frame *frames; /* in the order given */

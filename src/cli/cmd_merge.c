@@ -23,8 +23,8 @@ static igi_status read_exposures(cli_session *s, igi_exposure **exposures, size_
 static igi_status set_options(cli_session *s, igi_merge_options *options,
                               igi_calibration **calibration)
 {
-    static const char *const kinds[] = {"auto",      "linear",  "srgb",     NULL,
-                                        "recovered", "debevec", "robertson"};
+    static const char *const kinds[] = {"auto",       "linear", "srgb",    NULL,       "recovered",
+                                        "polynomial", "emor",   "debevec", "robertson"};
     const cli_values *v = &s->values;
     igi_merge_options_init(options);
     options->method = strcmp(v->weights, "debevec") == 0     ? IGI_MERGE_DEBEVEC
@@ -34,6 +34,7 @@ static igi_status set_options(cli_session *s, igi_merge_options *options,
     options->refine = !v->no_refine;
     options->full_well_e = v->full_well;
     options->read_noise = v->read_noise;
+    options->basis_path = v->basis;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (kinds[i] && strcmp(v->response, kinds[i]) == 0) {
             options->response = (igi_response_kind)i;
@@ -99,6 +100,8 @@ static void print_json(const cli_session *s, const igi_exposure *exposures,
         cli_print_json_number(f->used);
         printf(", \"shift\": [%d, %d], \"saturated\": ", f->shift_x, f->shift_y);
         cli_print_json_number(f->saturated);
+        printf(", \"moved\": ");
+        cli_print_json_number(f->moved);
         printf("}");
     }
     puts("]}");
@@ -113,13 +116,15 @@ static void print_table(const cli_session *s, const igi_exposure *exposures,
         if (w > width) width = w;
     }
     cli_print_padded("image", width);
-    puts("    exposure  used/stated  shift px  saturated");
+    puts("    exposure  used/stated  shift px  saturated      moved");
     for (size_t i = 0; i < merged->count; i++) {
         const igi_merged_frame *f = &merged->frames[i];
         cli_print_padded(base_name(exposures[i].path), width);
         printf("  %10.6g  %11.4f  %3d, %3d  ", f->stated, f->used / f->stated, f->shift_x,
                f->shift_y);
         cli_print_percent(f->saturated, 9);
+        fputs("  ", stdout);
+        cli_print_percent(f->moved, 9);
         puts("");
     }
     printf("%s: %d x %d pixels\n", s->values.output, merged->image->width, merged->image->height);
@@ -161,7 +166,8 @@ const cli_command cli_merge = {
     .details =
         "JPEG, PNG, TIFF or raw photographs of one place at several exposures. OUT.exr receives\n"
         "radiance (R G B; full scale over exposure, so that all brackets of a camera share one\n"
-        "unit), \"saturated\" where even the shortest exposure was, and \"variance.R\" ...\n"
+        "unit), \"saturated\" (1 where even the shortest exposure was, .5 where something moved\n"
+        "between exposures; igi recover leaves both out), and \"variance.R\" ...\n"
         "Exposures that the pictures contradict are refused by name.",
     .run = run,
 };

@@ -137,8 +137,7 @@ static igi_status first_pass(igi_context *ctx, job *j)
             igi_response_kind kind = choose_response(j->options, photo, bracket->count);
             bracket->channels = photo->channels;
             bracket->levels = photo->levels;
-            if (kind != IGI_RESPONSE_RECOVERED && kind != IGI_RESPONSE_DEBEVEC &&
-                kind != IGI_RESPONSE_ROBERTSON)
+            if (kind < IGI_RESPONSE_RECOVERED)
                 IGI_TRY_GOTO(known_response(ctx, kind, j->options, photo, &j->response));
         } else {
             IGI_TRY_GOTO(check_shape(ctx, path, photo, j->frames[0].exposure->path, previous));
@@ -217,6 +216,22 @@ static void use_measured_ratios(igi_bracket *bracket)
 
 /* Ratios seen through a response that was fitted to the same pictures are checks, no better
  * values: film and phones bend such a curve by more than a camera rounds its times. */
+/* The curve again, from few functions. */
+static igi_status fit_basis(igi_context *ctx, job *j)
+{
+    double(*table)[IGI_HDR_TABLE] = NULL;
+    if (j->options->response == IGI_RESPONSE_EMOR) {
+        if (!j->options->basis_path)
+            return igi_fail(ctx, IGI_E_USAGE,
+                            "response: the EMoR model needs its table; give invemor.txt");
+        IGI_TRY(igi_hdr_load_basis(ctx, j->options->basis_path, &table));
+    }
+    igi_status status = igi_hdr_fit_basis(ctx, &j->bracket, (const double(*)[IGI_HDR_TABLE])table,
+                                          j->response);
+    igi_free(table);
+    return status;
+}
+
 static igi_status settle_exposures(igi_context *ctx, job *j, char **warning)
 {
     igi_bracket *bracket = &j->bracket;
@@ -229,6 +244,9 @@ static igi_status settle_exposures(igi_context *ctx, job *j, char **warning)
     j->fitted = !j->response;
     if (j->fitted) IGI_TRY(igi_hdr_recover_response(ctx, bracket, &j->response));
     IGI_TRY(judge_exposures(ctx, j, warning));
+    if (j->options->response == IGI_RESPONSE_POLYNOMIAL ||
+        j->options->response == IGI_RESPONSE_EMOR)
+        return fit_basis(ctx, j);
     if (!j->fitted && j->options->refine) use_measured_ratios(bracket);
     if (j->options->response != IGI_RESPONSE_DEBEVEC &&
         j->options->response != IGI_RESPONSE_ROBERTSON)
@@ -259,6 +277,8 @@ static igi_status second_pass(igi_context *ctx, job *j, igi_merged *out)
         frame->shift_y = bracket->shifts[i].y;
         igi_accumulator_add(acc, photo, j->response, frame->used, bracket->shifts[i]);
         frame->saturated = (double)acc->saturated / (double)(acc->samples ? acc->samples : 1);
+        frame->moved = (double)acc->moved * acc->channels /
+                       (double)(acc->samples ? acc->samples : 1);
         igi_photo_destroy(photo);
         photo = NULL;
     }

@@ -28,6 +28,14 @@
 /* Where a longer exposure has spoken, samples below this many codes above the lowest known one
  * are not worth their bias. */
 #define FLOOR_CODES (10. / 256)
+/* What tells a thing that moved from noise and a rough response: exposures of at least .04 that differ by
+ * a third (more where the response was fitted to the same pictures) and by six standard deviations. */
+#define MOVED_LEAST .04
+#define MOVED_SHARE .33
+#define FITTED_MOVED_SHARE .6
+#define MOVED_SIGMAS 6.0
+/* Its mark in the channel "saturated". */
+#define MOVED_MARK .5f
 
 void igi_merge_options_init(igi_merge_options *options)
 {
@@ -82,6 +90,7 @@ igi_status igi_accumulator_prepare(igi_context *ctx, const igi_photo *shape,
     double from = model->fitted ? FITTED_FADE_FROM : FADE_FROM;
     double to = model->fitted ? FITTED_FADE_TO : FADE_TO;
     acc->channels = shape->channels;
+    acc->fitted = model->fitted;
     IGI_TRY(
         igi_image_create(ctx, shape->width, shape->height, 2 * shape->channels + 1, &acc->image));
     IGI_TRY(IGI_ALLOC(ctx, (size_t)levels, &acc->fade));
@@ -122,6 +131,25 @@ static double joint_fade(const accumulator *acc, const uint16_t *codes, bool lin
     return fade;
 }
 
+/* Something moved: where both are well exposed, the photograph shows clearly else than the longer
+ * ones. They count, being the surer; the pixel is marked. */
+static bool has_moved(const accumulator *acc, const igi_response *response, const uint16_t *codes,
+                      double h, const float *pixel)
+{
+    for (int c = 0; c < acc->channels; c++) {
+        double weight = (double)pixel[2 * acc->channels - c], x;
+        if (!(weight > 0) || acc->fade[codes[c]] < 1) continue;
+        x = (double)response->exposure[(size_t)c * (size_t)response->levels + codes[c]];
+        double predicted = (double)pixel[c] / weight * h, off = fabs(x - predicted);
+        double high = fmax(x, predicted);
+        if (high < MOVED_LEAST || off < (acc->fitted ? FITTED_MOVED_SHARE : MOVED_SHARE) * high)
+            continue;
+        double variance = (double)acc->noise[c][noise_index((float)predicted)] + h * h / weight;
+        if (off * off > MOVED_SIGMAS * MOVED_SIGMAS * variance) return true;
+    }
+    return false;
+}
+
 static void add_pixel(accumulator *acc, const igi_response *response, const uint16_t *codes,
                       double joint, double h, float *pixel, bool sample_residual)
 {
@@ -153,16 +181,22 @@ void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_res
                          double h, igi_shift shift)
 {
     size_t channels = (size_t)acc->channels, stride = 2 * channels + 1;
-    acc->saturated = acc->samples = 0;
+    acc->saturated = acc->samples = acc->moved = 0;
     for (int y = 0; y < acc->image->height; y++)
         for (int x = 0; x < acc->image->width; x++) {
             size_t at = igi_hdr_shifted(photo, x, y, shift);
             if (at == SIZE_MAX) continue;
             size_t to = (size_t)y * (size_t)acc->image->width + (size_t)x;
+            float *pixel = acc->image->samples + to * stride;
             const uint16_t *codes = photo->codes + at * channels;
-            add_pixel(acc, response, codes, joint_fade(acc, codes, photo->linear), h,
-                      acc->image->samples + to * stride, to % 7 == 0);
             acc->samples += channels;
+            if (has_moved(acc, response, codes, h, pixel)) {
+                pixel[channels] = MOVED_MARK;
+                acc->moved++;
+                if (!acc->fitted) continue; /* a rough curve marks more than what moved */
+            }
+            add_pixel(acc, response, codes, joint_fade(acc, codes, photo->linear), h, pixel,
+                      to % 7 == 0);
         }
 }
 
@@ -188,7 +222,6 @@ double igi_accumulator_finish(accumulator *acc, double shortest_h, bool noise_is
     double scatter = measured_scatter(acc);
     double scale = noise_is_known ? 1 : scatter * scatter;
     for (float *pixel = image->samples; count--; pixel += stride) {
-        pixel[channels] = 0;
         for (size_t c = 0; c < channels; c++) {
             float *variance = &pixel[channels + 1 + (channels - 1 - c)];
             if (*variance > 0) {

@@ -22,8 +22,9 @@ typedef struct accumulator {
     float *fade;                /* [levels] weight towards saturation */
     float noise[3][NOISE_SIZE]; /* variance of an exposure */
     float floor[3];             /* exposure below which a sample is not worth its bias */
+    bool fitted;                /* the response was, to the same photographs */
     uint64_t residuals[RESIDUAL_BINS];
-    uint64_t samples, saturated; /* of the photograph added last */
+    uint64_t samples, saturated, moved; /* of the photograph added last */
 } accumulator;
 
 IGI_MUST_USE igi_status igi_accumulator_prepare(igi_context *ctx, const igi_photo *shape,

@@ -47,6 +47,14 @@ static double texture_at(int x, int y)
     return igi_hash64((uint64_t)(x + 800) / 8 * 1000 + (uint64_t)y / 8) % 2 ? .6 : 1;
 }
 
+/* Something dark that passes through one photograph. */
+static bool passer_by;
+
+static bool is_passer_by(int x, int y)
+{
+    return x >= 200 && x < 320 && y >= 40 && y < 120;
+}
+
 static void write_exposure(const char *path, double h, uint64_t seed, int shift_x)
 {
     static uint16_t codes[WIDTH * HEIGHT];
@@ -54,6 +62,7 @@ static void write_exposure(const char *path, double h, uint64_t seed, int shift_
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         int x = i % WIDTH - shift_x;
         double radiance = radiance_at(x < 0 ? 0 : x) * texture_at(x, i / WIDTH);
+        if (passer_by && is_passer_by(i % WIDTH, i / WIDTH)) radiance *= .4;
         double e = poisson(&rng, FULL_WELL * radiance * h);
         double code = e * 65535 / FULL_WELL + READ_CODES * gaussian(&rng);
         codes[i] = (uint16_t)fmax(0, fmin(65535, floor(code + .5)));
@@ -183,6 +192,41 @@ static void what_all_clip_is_marked(void)
     if (merged) CHECK(merged->frames[0].saturated > .4 && merged->frames[0].saturated < .6);
     igi_merged_destroy(merged);
     remove(path);
+    igi_context_destroy(ctx);
+}
+
+/* A thing that only the shorter exposures show is left out, and the pixels are marked. */
+static void what_moves_is_marked(void)
+{
+    igi_context *ctx = test_context(1);
+    char paths[3][40];
+    igi_exposure exposures[3];
+    igi_merged *merged = NULL;
+    for (int i = 0; i < 3; i++) {
+        snprintf(paths[i], 40, "test_hdr_moving_%d.png", i);
+        passer_by = i == 1;
+        write_exposure(paths[i], true_h[i], 30 + (uint64_t)i, 0);
+        exposures[i] = (igi_exposure){.path = paths[i], .time_s = true_h[i]};
+    }
+    passer_by = false;
+    CHECK_OK(ctx, igi_merge(ctx, exposures, 3, NULL, &merged));
+    int marked = 0, wrong = 0, inside = 0;
+    for (int i = 0; merged && i < WIDTH * HEIGHT; i++) {
+        const float *p = merged->image->samples + 3 * (size_t)i;
+        double truth = radiance_at(i % WIDTH) * texture_at(i % WIDTH, i / WIDTH);
+        bool there = is_passer_by(i % WIDTH, i / WIDTH);
+        if (truth < .25 || truth > .8) continue;
+        inside += there;
+        marked += there && p[1] == .5f;
+        wrong += (there && !(fabs((double)p[0] / truth - 1) < .1)) || (!there && p[1] != 0);
+    }
+    if (merged) {
+        CHECK(inside > 500 && marked > inside * 9 / 10);
+        CHECK(wrong < 20);
+        CHECK(merged->frames[1].moved > .005 && merged->frames[2].moved < .001);
+    }
+    igi_merged_destroy(merged);
+    for (int i = 0; i < 3; i++) remove(paths[i]);
     igi_context_destroy(ctx);
 }
 
@@ -486,9 +530,79 @@ static void phone_by_exif(void)
     igi_merged_destroy(merged);
 }
 
+/* The response of bracket files by each way against the camera's, gamma 2.2 with a shoulder: the
+ * largest error of ln exposure over the middle codes. */
+static double response_error(igi_context *ctx, const igi_exposure *exposures, size_t count,
+                             igi_response_kind kind, const char *basis)
+{
+    igi_merge_options options;
+    igi_merged *merged = NULL;
+    double worst = 1, first = 0;
+    igi_merge_options_init(&options);
+    options.response = kind;
+    options.basis_path = basis;
+    options.align = false;
+    CHECK_OK(ctx, igi_merge(ctx, exposures, count, &options, &merged));
+    for (int z = 8000; merged && z < 60000; z += 500) {
+        double u = pow(z / 65535., 2.2), truth = 1.5 * u / (2.5 - u);
+        double off = log((double)merged->response->exposure[z] / truth);
+        if (z == 8000) first = off, worst = 0;
+        worst = fmax(worst, fabs(off - first));
+    }
+    igi_merged_destroy(merged);
+    return worst;
+}
+
+static void write_curved(const char *path, double h, uint64_t seed)
+{
+    static uint16_t codes[WIDTH * HEIGHT];
+    igi_rng rng = igi_rng_make(seed, 1);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        double light = radiance_at(i % WIDTH) * texture_at(i % WIDTH, i / WIDTH);
+        double x = fmax(0, fmin(1, poisson(&rng, FULL_WELL * light * h) / FULL_WELL));
+        codes[i] = (uint16_t)(65535 * pow(2.5 * x / (1.5 + x), 1 / 2.2));
+    }
+    png_image writer = {.version = PNG_IMAGE_VERSION,
+                        .width = WIDTH,
+                        .height = HEIGHT,
+                        .format = PNG_FORMAT_LINEAR_Y};
+    if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
+}
+
+static void responses_from_few_numbers(void)
+{
+    igi_context *ctx = test_context(1);
+    char table[600], paths[4][40];
+    igi_exposure exposures[4];
+    for (int i = 0; i < 4; i++) {
+        snprintf(paths[i], 40, "test_hdr_curved_%d.png", i);
+        write_curved(paths[i], true_h[i], 50 + (uint64_t)i);
+        exposures[i] = (igi_exposure){.path = paths[i], .time_s = true_h[i]};
+    }
+    double polynomial = response_error(ctx, exposures, 4, IGI_RESPONSE_POLYNOMIAL, NULL);
+    printf("response: polynomial %.4f", polynomial);
+    CHECK(polynomial < .05);
+    if (test_shared_data("real/camera_response/invemor.txt", table, sizeof table)) {
+        double emor = response_error(ctx, exposures, 4, IGI_RESPONSE_EMOR, table);
+        printf(", EMoR %.4f\n", emor);
+        CHECK(emor < .05);
+    }
+    igi_merge_options options;
+    igi_merged *merged = NULL;
+    igi_merge_options_init(&options);
+    options.response = IGI_RESPONSE_EMOR;
+    options.basis_path = paths[0];
+    CHECK(igi_merge(ctx, exposures, 4, &options, &merged) == IGI_E_DATA && !merged);
+    CHECK_CONTAINS(igi_context_message(ctx), "give the EMoR model's invemor.txt");
+    for (int i = 0; i < 4; i++) remove(paths[i]);
+    igi_context_destroy(ctx);
+}
+
 TEST_MAIN({"merges_at_the_cramer_rao_bound", merges_at_the_cramer_rao_bound},
           {"ratios_are_recovered", ratios_are_recovered},
           {"what_all_clip_is_marked", what_all_clip_is_marked},
+          {"responses_from_few_numbers", responses_from_few_numbers},
+          {"what_moves_is_marked", what_moves_is_marked},
           {"every_allocation_may_fail", every_allocation_may_fail}, {"lists", lists},
           {"memorial_church", memorial_church}, {"false_list_is_refused", false_list_is_refused},
           {"canon_by_exif", canon_by_exif}, {"phone_by_exif", phone_by_exif})
