@@ -25,14 +25,14 @@
 
 static bool bands_are_tied(igi_light_type type)
 {
-    return type == IGI_LIGHT_GONIOMETRIC || type == IGI_LIGHT_ENV;
+    return type == IGI_LIGHT_GONIOMETRIC;
 }
 
 static igi_status list_variables(igi_context *ctx, igi_powers *p)
 {
     const igi_problem *problem = p->problem;
-    IGI_TRY(IGI_ALLOC(ctx, problem->scene->light_count * p->bands, &p->variables));
-    for (size_t l = 0; l < problem->scene->light_count; l++) {
+    IGI_TRY(IGI_ALLOC(ctx, problem->light_count * p->bands, &p->variables));
+    for (size_t l = 0; l < problem->light_count; l++) {
         if (!problem->solved[l]) continue;
         bool tied = bands_are_tied(problem->lights[l].type);
         for (size_t b = 0; b < (tied ? 1 : p->bands); b++)

@@ -29,7 +29,7 @@ static igi_status append_light(igi_context *ctx, const igi_powers *p, size_t lig
 {
     int region = p->problem->lights[light].region;
     char number[32];
-    snprintf(number, sizeof number, "lights[%zu]", light);
+    snprintf(number, sizeof number, "lights[%zu]", p->problem->light_of[light]);
     IGI_TRY(append(ctx, text, between, number, ""));
     if (region < 0) return IGI_OK;
     return append(ctx, text, " ('", p->problem->scene->regions[region].name, "')");

@@ -151,14 +151,31 @@ static igi_status check_lamp(igi_context *ctx, const igi_problem *p, const igi_l
         p->scene->folder, p->scene->regions[light->region].name);
 }
 
+/* Copies the scene's lights, environments once for each band. */
+static igi_status split_lights(igi_context *ctx, igi_problem *p)
+{
+    size_t most = p->scene->light_count * (size_t)p->bands;
+    IGI_TRY(IGI_ALLOC(ctx, most, &p->lights));
+    IGI_TRY(IGI_ALLOC(ctx, most, &p->light_of));
+    IGI_TRY(IGI_ALLOC(ctx, most, &p->light_std));
+    IGI_TRY(IGI_ALLOC(ctx, most, &p->solved));
+    for (size_t l = 0; l < p->scene->light_count; l++) {
+        const igi_light *light = &p->scene->lights[l];
+        int copies = light->type == IGI_LIGHT_ENV ? p->bands : 1;
+        for (int c = 0; c < copies; c++, p->light_count++) {
+            p->lights[p->light_count] = *light;
+            p->light_of[p->light_count] = l;
+            for (int b = 0; b < p->bands && copies > 1; b++)
+                if (b != c) p->lights[p->light_count].value[b] = 0;
+        }
+    }
+    return IGI_OK;
+}
+
 static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
 {
-    size_t count = p->scene->light_count;
-    IGI_TRY(IGI_ALLOC(ctx, count, &p->lights));
-    IGI_TRY(IGI_ALLOC(ctx, count, &p->light_std));
-    IGI_TRY(IGI_ALLOC(ctx, count, &p->solved));
-    for (size_t l = 0; l < count; l++) {
-        p->lights[l] = p->scene->lights[l];
+    IGI_TRY(split_lights(ctx, p));
+    for (size_t l = 0; l < p->light_count; l++) {
         lamp_side sides[2] = {{{0}, {0}, 0}, {{0}, {0}, 0}};
         bool is_lamp = p->lights[l].type == IGI_LIGHT_AREA;
         if (is_lamp) look_at_lamp(p, p->lights[l].region, sides);
@@ -171,9 +188,9 @@ static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
                             "lights[%zu]: its value is not given and no photograph shows it; give "
                             "it, add a photograph of it, or take the method that solves for it "
                             "(patches)",
-                            l);
+                            p->light_of[l]);
     }
-    return igi_lighting_create(ctx, p->scene, p->lights, count, &p->lighting);
+    return igi_lighting_create(ctx, p->scene, p->lights, p->light_count, &p->lighting);
 }
 
 igi_status igi_problem_create(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
@@ -209,6 +226,7 @@ void igi_problem_destroy(igi_problem *problem)
     igi_free(problem->lights);
     igi_free(problem->light_std);
     igi_free(problem->solved);
+    igi_free(problem->light_of);
     igi_free(problem->site_begin);
     igi_free(problem->order);
     igi_free(problem->seen);

@@ -20,10 +20,14 @@ typedef struct igi_problem {
     const igi_patches *patches;
     const igi_recover_options *options;
     igi_lighting *lighting;
-    igi_light *lights; /* [scene->light_count] the scene's, with values read from the photographs */
-    double (*light_std)[IGI_MAX_BANDS]; /* [scene->light_count] */
-    bool *solved; /* [scene->light_count] neither given nor seen: its value is solved for with the
-                     albedos, in `lights` and `light_std`; 0 and not known where it cannot be */
+    size_t light_count;
+    igi_light *lights; /* [light_count] the scene's, with values read from the photographs; an
+                          environment counts as one light for each band, dark in the others, since
+                          its light falls differently in each */
+    size_t *light_of;  /* [light_count] number of the scene's light */
+    double (*light_std)[IGI_MAX_BANDS]; /* [light_count] */
+    bool *solved; /* [light_count] neither given nor seen: its value is solved for with the albedos,
+                     in `lights` and `light_std`; 0 and not known where it cannot be */
     int bands;
 
     size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */

@@ -94,12 +94,31 @@ static float sample_emitter(const emitter *e, igi_vec point, float u, float v, i
     return e->area * facing / (squared * s->distance);
 }
 
+/* Of an environment, what the sample itself carries: no closed form knows what it would give. */
+static float sample_sky(const igi_lighting *lighting, size_t light, igi_vec point, igi_vec normal,
+                        float u, float v, igi_light_sample *sample)
+{
+    float share[IGI_MAX_BANDS], mean = 0;
+    if (!igi_light_sample_toward(lighting, light, point, u, v, sample)) sample->weight = 0;
+    float cosine = sample->weight > 0 ? igi_dot(sample->direction, normal) : 0;
+    if (!(cosine > 0)) {
+        sample->weight = 0;
+        return 0;
+    }
+    igi_band_shares(lighting, light, share);
+    for (int b = 0; b < lighting->bands; b++) mean += sample->tint[b] * share[b];
+    sample->weight *= mean;
+    return cosine * sample->weight;
+}
+
 float igi_light_sample_facing(const igi_lighting *lighting, size_t light, igi_vec point,
                               igi_vec normal, float u, float v, igi_light_sample *sample)
 {
     const source *s = &lighting->sources[light];
     float weights[MANY_EMITTERS];
     *sample = (igi_light_sample){.weight = 0};
+    if (s->light->type == IGI_LIGHT_ENV)
+        return sample_sky(lighting, light, point, normal, u, v, sample);
     if (s->light->type != IGI_LIGHT_AREA || s->count > MANY_EMITTERS) {
         float open = igi_light_irradiance(lighting, NULL, light, point, normal, 1, 0);
         if (!(open > 0) || !igi_light_sample_toward(lighting, light, point, u, v, sample))

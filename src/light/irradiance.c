@@ -15,6 +15,7 @@
 #define FEW_EMITTERS 8 /* up to here each gets its closed form at any distance */
 /* A small triangle is its area at its centre: off by about .3 area/distance^2. */
 #define FAR_AREAS 1000
+#define SKY_RAYS 4 /* to an environment, for one that another light would get */
 
 /* The R2 sequence (Roberts 2018), shifted by the key (Cranley and Patterson 1976). */
 typedef struct pattern {
@@ -271,11 +272,22 @@ static float one_ray(const igi_lighting *l, size_t light, const igi_tracer *trac
     return igi_light_hidden(tracer, point, &s) ? 0 : cosine * s.weight;
 }
 
+void igi_band_shares(const igi_lighting *l, size_t light, float *share)
+{
+    const double *value = l->sources[light].light->value;
+    double sum = 0;
+    for (int b = 0; b < l->bands; b++) sum += value[b];
+    for (int b = 0; b < l->bands; b++)
+        share[b] = sum > 0 ? (float)(value[b] / sum) : 1 / (float)l->bands;
+}
+
 static float sky_irradiance(const igi_lighting *l, size_t light, const igi_tracer *tracer,
                             igi_vec point, igi_vec normal, int rays, uint64_t key)
 {
-    float sum = 0;
+    float sum = 0, share[IGI_MAX_BANDS];
     pattern p = pattern_start(key);
+    igi_band_shares(l, light, share);
+    rays *= SKY_RAYS;
     for (int k = 0; k < rays; k++) {
         igi_light_sample s;
         bool shines = igi_light_sample_toward(l, light, point, p.u, p.v, &s);
@@ -283,7 +295,7 @@ static float sky_irradiance(const igi_lighting *l, size_t light, const igi_trace
         float cosine = shines ? igi_dot(s.direction, normal) : 0, mean = 0;
         if (!(cosine > 0)) continue;
         if (tracer && igi_occluded_toward(tracer, point, s.direction, INFINITY)) continue;
-        for (int b = 0; b < l->bands; b++) mean += s.tint[b] / (float)l->bands;
+        for (int b = 0; b < l->bands; b++) mean += s.tint[b] * share[b];
         sum += cosine * s.weight * mean;
     }
     return sum / (float)rays;

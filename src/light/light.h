@@ -64,7 +64,8 @@ void igi_light_add_sky(const igi_lighting *lighting, size_t light, igi_vec direc
 /* Irradiance at `point` (on the side of `normal`) by light number `light` for a value of 1 in a
  * band, W m^-2 per unit of value: closed form for what is unoccluded, times the visible fraction
  * found with `rays` shadow rays whose pattern is keyed by `key`. Without a tracer (NULL): as if
- * nothing were in between. Of an env light: the mean over bands of its image, by samples of it. */
+ * nothing were in between. Of an env light: the mean over bands of its image, weighted by
+ * the light's values (alike when they are 0), by samples of it. */
 float igi_light_irradiance(const igi_lighting *lighting, const igi_tracer *tracer, size_t light,
                            igi_vec point, igi_vec normal, int rays, uint64_t key);
 

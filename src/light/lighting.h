@@ -48,4 +48,8 @@ float igi_emitters_weigh(const emitter *emitters, size_t count, igi_vec point, i
 /* Intensity of a spot toward `direction`, for 1 within its beam. */
 float igi_spot_factor(const source *s, igi_vec direction);
 
+/* By which the bands of an environment count in its irradiance: share[bands], as they shine; alike,
+ * when none does. */
+void igi_band_shares(const igi_lighting *lighting, size_t light, float *share);
+
 #endif

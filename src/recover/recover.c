@@ -135,11 +135,14 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->lights));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->light_std));
     m->light_count = p->scene->light_count;
-    for (size_t l = 0; l < m->light_count; l++) {
-        m->lights[l] = p->lights[l];
+    for (size_t k = 0; k < p->light_count; k++) {
+        size_t l = p->light_of[k];
+        if (k > 0 && p->light_of[k - 1] == l) continue; /* another band of an environment */
+        bool split = p->scene->lights[l].type == IGI_LIGHT_ENV;
+        m->lights[l] = split ? p->scene->lights[l] : p->lights[k];
         m->lights[l].file = NULL;
-        if (p->lights[l].file) IGI_TRY_GOTO(igi_strdup(ctx, p->lights[l].file, &m->lights[l].file));
-        memcpy(m->light_std[l], p->light_std[l], sizeof m->light_std[l]);
+        if (p->lights[k].file) IGI_TRY_GOTO(igi_strdup(ctx, p->lights[k].file, &m->lights[l].file));
+        memcpy(m->light_std[l], p->light_std[k], sizeof m->light_std[l]);
     }
     for (size_t i = 0; i < p->observations->warning_count; i++) {
         char *sentence;

@@ -287,6 +287,29 @@ static igi_light env_light(double rotation_deg)
                        .value = {1}};
 }
 
+/* Each band's irradiance is asked for by shining in that band alone. */
+static void coloured_environment(igi_context *ctx)
+{
+    igi_image *map = NULL;
+    CHECK_OK(ctx, igi_image_create(ctx, 8, 4, 2, &map));
+    for (int i = 0; i < 64; i++) map->samples[i] = i % 2 ? 3 : i < 32 ? 1 : 0;
+    CHECK_OK(ctx, igi_image_save_exr(ctx, map, IGI_EXR_FLOAT, "test_light_sky.exr"));
+    igi_image_destroy(map);
+    for (int band = 0; band < 2; band++) {
+        igi_light light = env_light(0);
+        light.value[0] = band == 0;
+        light.value[1] = band == 1;
+        room *empty = square_room();
+        empty->scene.bands = empty->materials.bands = 2;
+        empty->scene.light_count = 0;
+        empty->scene.mesh.triangle_count = 0;
+        (void)room_light(empty, light);
+        lit l = light_up(empty), *r = &l;
+        CHECK_NEAR(mean_irradiance(r, igi_v(0, 0, 0), up, 64, 400) / IGI_PI, band ? 3 : 1, 2e-2);
+        put_out(r);
+    }
+}
+
 static void environment(void)
 {
     igi_context *ctx = test_context(1);
@@ -315,8 +338,18 @@ static void environment(void)
             igi_light_add_sky(r->lighting, 0, s.direction, radiance);
             CHECK(radiance[0] == 2 && s.tint[0] == 2 && isinf(s.distance));
         }
+        double open = 0, carried = 0; /* as recovery looks for the light */
+        for (int k = 0; k < 4096; k++) {
+            igi_light_sample s;
+            float u = ((float)(k / 64) + .5f) / 64, v = ((float)(k % 64) + .5f) / 64;
+            open += (double)igi_light_sample_facing(r->lighting, 0, igi_v(0, 0, 0), up, u, v, &s);
+            carried += (double)(s.weight * fmaxf(0.0f, igi_dot(s.direction, up)));
+        }
+        CHECK_NEAR(open / 4096, IGI_PI / 8, 1e-3);
+        CHECK_NEAR(carried / 4096, IGI_PI / 8, 1e-3);
         put_out(r);
     }
+    coloured_environment(ctx);
     remove("test_light_sky.exr");
     igi_context_destroy(ctx);
 }
