@@ -31,9 +31,9 @@ typedef struct igi_material {
     igi_model model;
     double albedo[IGI_MAX_BANDS]; /* rho_d; area mean over what the photos determine */
     double albedo_std[IGI_MAX_BANDS];
-    bool determined; /* false: no photograph shows it; albedo is then a guess, as std says */
-    double specular; /* rho_s; 0 for lambert */
-    double specular_std;
+    bool determined;      /* false: no photograph shows it; albedo is then a guess, as std says */
+    double specular;      /* rho_s; 0 for lambert */
+    double specular_std;  /* of lambert: what may have been overlooked, 1.645 of it is the bound */
     bool specular_is_rgb; /* coloured: specular_rgb holds; else all its bands equal specular */
     double specular_rgb[IGI_MAX_BANDS];
     double alpha, alpha_std; /* roughness; 0 for lambert */

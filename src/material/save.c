@@ -140,7 +140,7 @@ static igi_status region_json(igi_context *ctx, const igi_material *m, int bands
     bad |= json_object_set_new(
         o, "albedo_map", m->map && m->textured ? json_sprintf("albedo/%s.exr", name) : json_null());
     bad |= json_object_set_new(o, "specular", number(glossy ? m->specular : 0));
-    bad |= json_object_set_new(o, "specular_std", number(glossy ? m->specular_std : 0));
+    bad |= json_object_set_new(o, "specular_std", number(m->specular_std));
     bad |= json_object_set_new(o, "specular_rgb",
                                glossy && m->specular_is_rgb ? numbers(m->specular_rgb, bands)
                                                             : json_null());

@@ -16,6 +16,9 @@
  * the speed-accuracy chart). */
 #define PATCH_SHARE 0.0105f
 
+/* rho_s of plastic and varnish; less goes without saying. */
+#define WORTH_A_WORD 0.03
+
 const char *igi_method_name(igi_method method)
 {
     switch (method) {
@@ -106,9 +109,24 @@ static igi_status make_material(igi_context *ctx, const igi_problem *p, const ig
     return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
+/* A lobe that was overlooked is at most so strong; worth a word where that is as much as varnish. */
+static igi_status set_bound(igi_context *ctx, const igi_lobe_doubt *doubt, int bands,
+                            igi_material *m)
+{
+    double bound = doubt->bound;
+    for (int b = 0; b < bands; b++) bound = fmin(bound, fmax(0, 1 - m->albedo[b]));
+    m->specular_std = bound / IGI_BOUND_SIGMAS;
+    if (bound < WORTH_A_WORD) return IGI_OK;
+    char *sentence;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "no view sees a highlight: specular is a bound, not an estimate: at most "
+                          "%.2g for alpha up to %g; add a photograph of a lamp mirrored in it",
+                          bound, (double)IGI_BOUND_ALPHA));
+    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+}
+
 static void set_lobe(const igi_lobe_estimate *e, int bands, igi_material *m)
 {
-    if (m->emitter || e->model == IGI_LAMBERT) return;
     m->model = e->model;
     m->specular = e->specular;
     m->specular_std = e->specular_std;
@@ -129,8 +147,13 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
     m->count = p->scene->region_count;
     for (size_t r = 0; r < m->count; r++)
         IGI_TRY_GOTO(make_material(ctx, p, d, r, &m->materials[r]));
-    for (size_t r = 0; s && r < m->count; r++)
-        set_lobe(&s->estimates[r], p->bands, &m->materials[r]);
+    for (size_t r = 0; s && r < m->count; r++) {
+        igi_material *one = &m->materials[r];
+        if (one->emitter) continue;
+        if (s->estimates[r].model != IGI_LAMBERT) set_lobe(&s->estimates[r], p->bands, one);
+        else if (s->doubts && one->determined)
+            IGI_TRY_GOTO(set_bound(ctx, &s->doubts[r], p->bands, one));
+    }
     IGI_TRY_GOTO(measure_coverage(ctx, p, m));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->lights));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->light_std));

@@ -15,8 +15,9 @@
 
 #define CANDIDATES 40000 /* pixels of a region to choose from, at most */
 #define MAX_LAMP_SAMPLES 256
-#define FLAT_SIDES 16 /* a region of more directions is curved */
-#define LAMP_POINTS 4 /* places on each lamp that the score looks at */
+#define FLAT_SIDES 16   /* a region of more directions is curved */
+#define LAMP_POINTS 4   /* places on each lamp that the score looks at */
+#define PIECE_PATCHES 6 /* side of a piece of the surface, in patches */
 
 typedef struct job {
     const igi_radiance_field *field;
@@ -354,6 +355,16 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
     }
 }
 
+/* The piece of the surface at a point: a cell of a coarse grid. */
+static uint32_t piece_of(const job *j, igi_vec point)
+{
+    float side = PIECE_PATCHES * j->field->problem->patches->size_m;
+    uint64_t h = (uint64_t)(int64_t)floorf(point.x / side);
+    h = igi_hash64(h) ^ (uint64_t)(int64_t)floorf(point.y / side);
+    h = igi_hash64(h) ^ (uint64_t)(int64_t)floorf(point.z / side);
+    return (uint32_t)igi_hash64(h);
+}
+
 static void set_up_pixel(job *j, size_t i, uint64_t *rays)
 {
     igi_highlights *h = j->out;
@@ -366,6 +377,7 @@ static void set_up_pixel(job *j, size_t i, uint64_t *rays)
                     .v = view_of(j->field->problem, observation),
                     .directions = h->directions + i * (size_t)h->samples,
                     .incident = h->incident + i * (size_t)h->samples * bands};
+    h->piece[i] = piece_of(j, s.v.point);
     for (int k = 0; k < 4; k++) s.start[k] = igi_rng_float(&rng);
     sample_lobes(&s, &rng);
     for (size_t l = 0; l < j->rows->lights; l++)
@@ -388,6 +400,7 @@ static igi_status allocate_sets(igi_context *ctx, const job *j)
 {
     igi_highlights *h = j->out;
     size_t n = h->count, bands = (size_t)h->bands, samples = (size_t)h->samples;
+    IGI_TRY(IGI_ALLOC(ctx, n, &h->piece));
     IGI_TRY(IGI_ALLOC(ctx, n * bands, &h->radiance));
     IGI_TRY(IGI_ALLOC(ctx, n * bands, &h->irradiance));
     IGI_TRY(IGI_ALLOC(ctx, n * samples, &h->directions));
@@ -430,6 +443,7 @@ void igi_highlights_destroy(igi_highlights *highlights)
     if (!highlights) return;
     igi_free(highlights->group);
     igi_free(highlights->observation);
+    igi_free(highlights->piece);
     igi_free(highlights->radiance);
     igi_free(highlights->irradiance);
     igi_free(highlights->directions);

@@ -29,6 +29,7 @@ typedef struct igi_highlights {
     size_t groups;         /* pixels of one group show one albedo: a region, or one of its points */
     uint32_t *group;       /* [count] rising */
     uint32_t *observation; /* [count] */
+    uint32_t *piece;       /* [count] pixels of one piece of the surface share errors */
     float *radiance;       /* [count][bands] as photographed */
     float *irradiance;     /* [count][bands] */
     igi_direction_sample *directions; /* [count][samples] */

@@ -16,8 +16,11 @@ typedef struct igi_lobe_estimate {
     igi_model model;
     double specular, specular_std;
     double alpha, alpha_std;
-    bool at_bound;                /* alpha ran into an end of what is looked for */
-    double deviance;              /* -2 ln likelihood with the lobe, */
+    double noise_std; /* of specular, were independent noise all that there is */
+    double
+        lamp_share;  /* how much of what is known of specular comes from lamps' highlights, 0..1 */
+    bool at_bound;   /* alpha ran into an end of what is looked for */
+    double deviance; /* -2 ln likelihood with the lobe, */
     double plain_deviance;        /* and without: both with the noise that fits them */
     double residuals;             /* how many residuals there were */
     double noise;                 /* relative standard deviation of a residual with the lobe, */

@@ -98,7 +98,7 @@ igi_profile_outcome igi_profile_evaluate(igi_profile *profile, const igi_profile
         ys -= g[1] * g[2] / g[0];
         ss -= g[2] * g[2] / g[0];
     }
-    igi_profile_outcome o = {ss > 0 ? fmax(0, ys / ss) : 0, 0};
+    igi_profile_outcome o = {ss > 0 ? fmax(0, ys / ss) : 0, 0, ss};
     o.misfit = fmax(0, yy - 2 * o.specular * ys + o.specular * o.specular * ss);
     for (size_t k = 0; k < sums; k++) {
         const double *g = f->sums + 3 * k;

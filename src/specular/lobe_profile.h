@@ -24,6 +24,7 @@ typedef struct igi_profile_column {
 
 typedef struct igi_profile_outcome {
     double specular, misfit;
+    double information; /* <S_perp, S_perp>: one over the variance of specular, were noise all */
 } igi_profile_outcome;
 
 IGI_MUST_USE igi_status igi_profile_create(igi_context *ctx, const igi_highlights *highlights,

@@ -4,6 +4,8 @@
 #include "base/parallel.h"
 #include "brdf/brdf.h"
 
+#include <string.h>
+
 #define PIXELS_A_TASK 32
 
 typedef struct job {
@@ -77,6 +79,17 @@ igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlig
 cleanup:
     if (status != IGI_OK) igi_lobe_table_clear(table);
     return status;
+}
+
+void igi_lobe_table_lamps(const igi_highlights *highlights, igi_model model, double alpha,
+                          float *scale)
+{
+    const igi_highlights *h = highlights;
+    const igi_lobe_table t = {.model = model, .alpha_count = 1, .alphas = {(float)alpha}};
+    const int lamps[2] = {h->lobe_samples, h->samples};
+    memset(scale, 0, h->count * (size_t)h->bands * sizeof *scale);
+    for (size_t i = 0; i < h->count; i++)
+        add_directions(h, &t, i, lamps, scale + i * (size_t)h->bands, NULL);
 }
 
 void igi_lobe_table_clear(igi_lobe_table *table)

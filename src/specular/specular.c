@@ -207,7 +207,7 @@ static bool is_earned(const igi_lobe_estimate *e, double share)
 {
     double gain = e->plain_deviance - e->deviance;
     return gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) && gain > share * e->residuals &&
-           !e->at_bound && e->specular > MIN_SIGMAS * e->specular_std;
+           !e->at_bound && e->specular > MIN_SIGMAS * e->noise_std;
 }
 
 /* Is it worth a closer look? */
@@ -297,6 +297,28 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
     return IGI_OK;
 }
 
+/* What may have been overlooked where no lobe was found. */
+static igi_status doubt_regions(igi_context *ctx, const stage *s)
+{
+    const igi_problem *p = s->field->problem;
+    const igi_highlight_options options = {.scored = 8000,
+                                           .pixels = 600,
+                                           .lobe_samples = 16,
+                                           .lamp_samples = 32,
+                                           .lamp_tests = 4,
+                                           .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
+    for (size_t r = 0; r < p->scene->region_count; r++) {
+        if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
+        if (s->specular->lobes[r].model != IGI_LAMBERT) continue;
+        igi_highlights *h = NULL;
+        IGI_TRY(choose_highlights(ctx, s, r, options, &h));
+        igi_status status = igi_lobe_doubt_create(ctx, h, &s->specular->doubts[r]);
+        igi_highlights_destroy(h);
+        IGI_TRY(status);
+    }
+    return IGI_OK;
+}
+
 static bool any_lobe(const igi_specular *s, size_t regions)
 {
     for (size_t r = 0; r < regions; r++)
@@ -346,7 +368,9 @@ static igi_status run(igi_context *ctx, const igi_problem *p, igi_diffuse *diffu
         set_total(p, diffuse, &s->correction, total);
         IGI_TRY_GOTO(igi_field_create(ctx, p, diffuse, &st.irradiance));
         IGI_TRY_GOTO(round == 0 ? search_lobes(ctx, &st) : refine_lobes(ctx, &st));
-        if (round == 0 && !any_lobe(s, p->scene->region_count)) {
+        bool none = round == 0 && !any_lobe(s, p->scene->region_count);
+        if (none || round == 1) IGI_TRY_GOTO(doubt_regions(ctx, &st));
+        if (none) {
             s->irradiance = st.irradiance; /* nothing will change it */
             st.irradiance = NULL;
             break;
@@ -363,6 +387,43 @@ cleanup:
     return status;
 }
 
+/* Adds to the standard deviations of albedos what is not known of lobes: theirs where one was found,
+ * the doubt elsewhere. */
+static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diffuse *d,
+                                const igi_specular *s)
+{
+    size_t regions = p->scene->region_count, bands = (size_t)p->bands;
+    double(*lobe)[IGI_MAX_BANDS] = NULL, (*received)[IGI_MAX_BANDS] = NULL;
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &lobe));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &received));
+    for (size_t i = 0; i < d->rows->seen_count; i++) {
+        uint32_t side = d->rows->side[i];
+        size_t r = igi_patch_region(p->patches, side >> 1);
+        float direct[IGI_MAX_BANDS], indirect[IGI_MAX_BANDS];
+        double area = (double)p->patches->area[side >> 1];
+        igi_row_direct(d->rows, i, p->lights, p->bands, direct);
+        igi_row_indirect(d->rows, i, d->radiance, p->bands, indirect);
+        for (size_t b = 0; b < bands && igi_problem_seen_count(p, side) > 0; b++) {
+            lobe[r][b] += area * IGI_PI * (double)s->correction.seen[side * bands + b];
+            received[r][b] += area * ((double)direct[b] + (double)indirect[b]);
+        }
+    }
+    for (size_t r = 0; r < regions; r++) {
+        const igi_lobe_estimate *e = &s->estimates[r];
+        double *std = d->albedo_std[r];
+        bool found = s->lobes[r].model != IGI_LAMBERT && e->specular > 0;
+        double known = found ? hypot(e->specular_std / e->specular, e->alpha_std / e->alpha) : 0;
+        for (size_t b = 0; b < bands && received[r][b] > 0; b++)
+            std[b] = hypot(std[b], found ? lobe[r][b] / received[r][b] * fmin(1, known)
+                                         : s->doubts[r].share[b] * d->albedo[r][b]);
+    }
+cleanup:
+    igi_free(lobe);
+    igi_free(received);
+    return status;
+}
+
 igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse,
                                igi_specular **specular)
 {
@@ -374,12 +435,14 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     *specular = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &s));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->estimates));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->doubts));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->lobes));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.seen));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.surfaces));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, diffuse->rows->count * bands, &s->correction.received));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &total));
     IGI_TRY_GOTO(run(ctx, problem, diffuse, s, total));
+    IGI_TRY_GOTO(widen_albedos(ctx, problem, diffuse, s));
     *specular = s;
     s = NULL;
 cleanup:
@@ -399,6 +462,7 @@ void igi_specular_destroy(igi_specular *specular)
     if (!specular) return;
     igi_field_destroy(specular->irradiance);
     igi_free(specular->estimates);
+    igi_free(specular->doubts);
     igi_free(specular->lobes);
     igi_free(specular->correction.seen);
     igi_free(specular->correction.surfaces);

@@ -8,11 +8,13 @@
 
 #include "diffuse/field.h"
 #include "specular/incident.h"
+#include "specular/lobe_doubt.h"
 #include "specular/lobe_fit.h"
 #include "specular/lobe_view.h"
 
 typedef struct igi_specular {
     igi_lobe_estimate *estimates; /* [regions]; model IGI_LAMBERT: no lobe */
+    igi_lobe_doubt *doubts;       /* [regions] of those without a lobe */
     igi_lobe *lobes;              /* [regions] the same for rendering */
     igi_correction correction;    /* what was taken out of the diffuse half */
     igi_field *irradiance;        /* where no lobe was found: the irradiance, which maps can use */
