@@ -38,9 +38,12 @@ typedef struct igi_relight_options {
     bool variance;       /* also NAME.variance.exr, the variance of each pixel's mean */
     bool layers;         /* also NAME.layers.exr: albedo, direct (light that has met one surface at
                           * most), indirect (the rest) and variance */
-    bool png;            /* also NAME.png, sRGB; one exposure for all: the first frame's 95th
+    bool preview;  /* quick: radiosity for all but the light that has met one surface, which is
+                          * smoothed; render.samples of 8 will do. Noise and variance are those from
+                          * before the smoothing */
+    bool png;      /* also NAME.png, sRGB; one exposure for all: the first frame's 95th
                           * percentile becomes .8 */
-    double *noise;       /* if not NULL: receives the noise of the noisiest frame, the mean standard
+    double *noise; /* if not NULL: receives the noise of the noisiest frame, the mean standard
                           * deviation of a pixel over the mean pixel; 0 when it is not known */
 } igi_relight_options;
 

@@ -4,6 +4,8 @@
  */
 #include "cli.h"
 
+#define PREVIEW_SAMPLES 8
+
 static igi_status save_manifest(cli_session *s, const char *folder, double noise)
 {
     char command[4096], text[24][32];
@@ -33,7 +35,9 @@ static igi_status run(cli_session *s)
         return IGI_E_USAGE;
     }
     igi_relight_options_init(&options);
-    options.render.samples = (int)values->samples;
+    if (values->preview) options.render.samples = PREVIEW_SAMPLES;
+    if (values->samples > 0) options.render.samples = (int)values->samples;
+    options.preview = values->preview;
     options.lights = values->lights;
     options.target_error = values->target_error;
     options.variance = values->variance;

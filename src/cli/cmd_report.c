@@ -11,7 +11,7 @@ static igi_status run(cli_session *s)
     if (s->values.relight) {
         igi_basis_options options;
         igi_basis_options_init(&options);
-        options.render.samples = (int)s->values.samples;
+        if (s->values.samples > 0) options.render.samples = (int)s->values.samples;
         status = igi_basis_save(s->context, folder, s->values.cameras, &options);
     }
     cli_progress_report(s, "writing the page", 0);

@@ -7,6 +7,8 @@
  */
 #include "render/path.h"
 
+#include "render/cache.h"
+
 #define FIRST_ROULETTE 5
 
 typedef struct candidate {
@@ -131,6 +133,10 @@ uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, in
         surface_at(r, &hit, direction, &s);
         if (s.finish->absorbs) break;
         for (int b = 0; b < r->bands && parts && edge == 1; b++) parts->albedo[b] += s.albedo[b];
+        if (edge == r->cache_edge) {
+            igi_cache_add(r->cache, &s, &hit, throughput, radiance);
+            break;
+        }
         rays += add_direct(r, &s, points, throughput, edge == 1 ? first : radiance);
         if (!go_on(r, &s, points, &direction, throughput, &pdf)) break;
         origin = s.point;

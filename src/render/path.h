@@ -20,6 +20,8 @@ typedef struct finish {
     bool repeat;
 } finish;
 
+typedef struct igi_cache igi_cache;
+
 struct igi_renderer {
     const igi_scene *scene;
     int bands;
@@ -28,6 +30,8 @@ struct igi_renderer {
     igi_tracer *tracer;
     const igi_light *lights;
     igi_lighting *lighting;
+    igi_cache *cache; /* NULL, or what paths end with at their edge number cache_edge */
+    int cache_edge;
 };
 
 /* A point of a surface with its reflectance, seen along `out`. */
@@ -39,6 +43,9 @@ typedef struct surface {
     float lobe_share; /* how often the lobe is sampled rather than the diffuse part */
 } surface;
 
+/* rho_d at a point of a region with this finish. */
+void surface_albedo(const igi_renderer *r, const finish *f, uint32_t triangle, float u, float v,
+                    float *albedo);
 void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, surface *s);
 /* BRDF times cosine per band for a direction of the world, and its density; false: all zero. */
 bool surface_value(const surface *s, int bands, igi_vec direction, float *value, float *pdf);

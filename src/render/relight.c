@@ -5,6 +5,7 @@
 #include "image/srgb.h"
 #include "material/result.h"
 #include "render/layers.h"
+#include "render/smooth.h"
 
 #include <igi/image.h>
 #include <igi/scene.h>
@@ -68,7 +69,11 @@ static igi_status render_frame(relighting *r, const igi_frame *frame, uint64_t k
     layered_frame f;
     igi_image *joined = NULL;
     IGI_TRY(layered_frame_render(r->ctx, r->renderer, &frame->camera, key, &o->render,
-                                 o->target_error, o->layers, r->bands, &f));
+                                 o->target_error, o->layers || o->preview, r->bands, &f));
+    if (o->preview)
+        IGI_TRY_GOTO(igi_smooth_indirect(r->ctx, r->renderer, &frame->camera,
+                                         f.layers[LAYER_PICTURE], f.layers[LAYER_DIRECT],
+                                         f.layers[LAYER_ALBEDO]));
     if (o->target_error > 0 && f.noise > o->target_error)
         igi_warn(r->ctx, "%s: its noise is still %.3g %% after %d paths a pixel", frame->name,
                  100 * f.noise, f.samples);
@@ -104,6 +109,10 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
     IGI_TRY_GOTO(
         igi_renderer_create(ctx, scene, materials, options->lights ? lights : materials->lights,
                             options->lights ? light_count : materials->light_count, &renderer));
+    if (options->preview) {
+        igi_stage_begin(ctx, "radiosity");
+        IGI_TRY_GOTO(igi_renderer_add_cache(ctx, renderer));
+    }
     igi_stage_begin(ctx, "rendering");
     if (options->noise) *options->noise = 0;
     relighting r = {ctx, options, output, renderer, scene->bands, 0};

@@ -4,11 +4,13 @@
  */
 #include "base/parallel.h"
 #include "render/path.h"
+#include "render/cache.h"
 #include "scene/camera.h"
 
 #include <string.h>
 
 #define TILE 16
+#define CACHE_RAYS 64
 
 void igi_render_options_init(igi_render_options *options)
 {
@@ -83,11 +85,19 @@ cleanup:
 void igi_renderer_destroy(igi_renderer *renderer)
 {
     if (!renderer) return;
+    igi_cache_destroy(renderer->cache);
     igi_tracer_destroy(renderer->tracer);
     igi_lighting_destroy(renderer->lighting);
     igi_free(renderer->finishes);
     igi_free(renderer->normals);
     igi_free(renderer);
+}
+
+igi_status igi_renderer_add_cache(igi_context *ctx, igi_renderer *renderer)
+{
+    IGI_TRY(igi_cache_create(ctx, renderer, CACHE_RAYS, &renderer->cache));
+    renderer->cache_edge = 2;
+    return IGI_OK;
 }
 
 typedef struct job {

@@ -17,6 +17,10 @@ IGI_MUST_USE igi_status igi_renderer_create(igi_context *ctx, const igi_scene *s
                                             size_t light_count, igi_renderer **renderer);
 void igi_renderer_destroy(igi_renderer *renderer);
 
+/* Solves the radiosity of the scene; from then on paths end with it where they meet the second
+ * surface, and pictures are quick: their light is exact up to one bounce. */
+IGI_MUST_USE igi_status igi_renderer_add_cache(igi_context *ctx, igi_renderer *renderer);
+
 /* Images [count] of the cameras' size and the scene's bands; all but the pictures may be NULL. */
 typedef struct igi_layers {
     igi_image **pictures;

@@ -42,6 +42,19 @@ static float share_of_lobe(const surface *s, int bands)
     return fminf(0.9f, fmaxf(0.1f, specular / (specular + diffuse)));
 }
 
+void surface_albedo(const igi_renderer *r, const finish *f, uint32_t triangle, float u, float v,
+                    float *albedo)
+{
+    const igi_mesh *mesh = &r->scene->mesh;
+    if (f->map && mesh->uvs) {
+        float uv[2];
+        igi_triangle_uv(mesh, triangle, u, v, uv);
+        look_up(f, r->bands, uv, albedo);
+        return;
+    }
+    for (int b = 0; b < r->bands; b++) albedo[b] = f->albedo[b];
+}
+
 void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, surface *s)
 {
     const igi_mesh *mesh = &r->scene->mesh;
@@ -52,13 +65,7 @@ void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, su
     igi_frame_of(s->normal, &s->t, &s->b);
     s->out = igi_v(-igi_dot(direction, s->t), -igi_dot(direction, s->b),
                    -igi_dot(direction, s->normal));
-    if (s->finish->map && mesh->uvs) {
-        float uv[2];
-        igi_triangle_uv(mesh, hit->triangle, hit->u, hit->v, uv);
-        look_up(s->finish, r->bands, uv, s->albedo);
-    } else {
-        for (int b = 0; b < r->bands; b++) s->albedo[b] = s->finish->albedo[b];
-    }
+    surface_albedo(r, s->finish, hit->triangle, hit->u, hit->v, s->albedo);
     s->lobe_share = share_of_lobe(s, r->bands);
 }
 
