@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/scene_parts.h"
 
+#include "scene/light_units.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -57,9 +59,11 @@ static const struct {
 
 static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t kind)
 {
-    const char *known[12];
+    const char *known[12 + IGI_LIGHT_UNIT_KEYS];
     size_t count = 0;
     unsigned keys = kinds[kind].keys;
+    const char *const *units = igi_light_unit_keys(kinds[kind].type);
+    for (size_t i = 0; i < IGI_LIGHT_UNIT_KEYS && units[i]; i++) known[count++] = units[i];
     known[count++] = "type";
     known[count++] = kinds[kind].value;
     if (keys & KEY_REGION) known[count++] = "region";
@@ -135,11 +139,13 @@ static igi_status check_values(igi_context *ctx, const igi_json *at, const doubl
     return IGI_OK;
 }
 
-static igi_status read_value(igi_context *ctx, const igi_json *at, size_t kind, int bands,
-                             igi_light *light)
+static igi_status read_value(igi_context *ctx, const igi_json *at, size_t kind,
+                             const igi_scene *scene, igi_light *light)
 {
     igi_json member = igi_json_member(at, kinds[kind].value);
-    size_t count = (size_t)bands;
+    size_t count = (size_t)scene->bands;
+    IGI_TRY(igi_light_read_units(ctx, at, scene, kinds[kind].value, light));
+    if (light->known) return IGI_OK;
     light->known = member.value != NULL;
     if (!member.value) {
         if (light->type != IGI_LIGHT_ENV) return IGI_OK;
@@ -156,7 +162,7 @@ static igi_status read_value(igi_context *ctx, const igi_json *at, size_t kind, 
     IGI_TRY(igi_json_array(ctx, &member, &got));
     if (got != count)
         return igi_json_fail(ctx, &member, "has %zu bands, but the images have %d; give %d numbers",
-                             got, bands, bands);
+                             got, scene->bands, scene->bands);
     IGI_TRY(igi_json_numbers(ctx, &member, count, light->value));
     return check_values(ctx, &member, light->value, count);
 }
@@ -212,7 +218,7 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
         IGI_TRY(read_file(ctx, at, "image", &light->file));
         if (rotation.value) IGI_TRY(igi_json_number(ctx, &rotation, &light->rotation_deg));
     }
-    return read_value(ctx, at, kind, scene->bands, light);
+    return read_value(ctx, at, kind, scene, light);
 }
 
 igi_status igi_lights_read(igi_context *ctx, const igi_json *array, const igi_scene *scene,

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Colours of spectra against the tables of CIE and colour-science, lights in photometric units
+ * against what they mean.
+ */
+#include "base/spectrum.h"
+#include "base/vec.h"
+#include "scene_fixture.h"
+
+#define FOLDER "scratch_light_units"
+
+typedef struct table {
+    int count;
+    double nm[1000], value[1000][3];
+} table;
+
+static bool load_table(const char *name, int columns, table *t)
+{
+    char path[1024], line[256];
+    if (!test_shared_data(name, path, sizeof path)) return false;
+    FILE *file = fopen(path, "r");
+    t->count = 0;
+    while (file && fgets(line, sizeof line, file)) {
+        double *v = t->value[t->count];
+        int got = sscanf(line, "%lf,%lf,%lf,%lf", &t->nm[t->count], &v[0], &v[1], &v[2]);
+        if (got == columns + 1) t->count++;
+    }
+    if (file) fclose(file);
+    CHECK(t->count > 10);
+    return t->count > 10;
+}
+
+static double at(const void *user, double nm)
+{
+    const table *t = user;
+    for (int i = 0; i + 1 < t->count; i++)
+        if (t->nm[i] <= nm && nm <= t->nm[i + 1])
+            return t->value[i][0] + (nm - t->nm[i]) / (t->nm[i + 1] - t->nm[i]) *
+                                        (t->value[i + 1][0] - t->value[i][0]);
+    return 0;
+}
+
+/* The fit is as far from the tables as the header says. */
+static void observer(void)
+{
+    static table t;
+    static const double said[] = {0.015, 0.008, 0.024};
+    double most[3] = {0}, sums[2][3] = {{0}};
+    if (!load_table("real/spectral/cie1931_2deg_xyz_1nm.csv", 3, &t)) return;
+    for (int i = 0; i < t.count; i++) {
+        double xyz[3];
+        igi_cie_1931(t.nm[i], xyz);
+        for (int k = 0; k < 3; k++) {
+            most[k] = fmax(most[k], fabs(xyz[k] - t.value[i][k]));
+            sums[0][k] += xyz[k];
+            sums[1][k] += t.value[i][k];
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        printf("observer %c: largest error %.4f, of the integral %.3f %%\n", "xyz"[k], most[k],
+               100 * (sums[0][k] / sums[1][k] - 1));
+        CHECK(most[k] <= said[k]);
+        CHECK_NEAR(sums[0][k] / sums[1][k], 1, 0.005);
+    }
+}
+
+static void check_chromaticity(const double xyz[3], double x, double y)
+{
+    double sum = xyz[0] + xyz[1] + xyz[2];
+    CHECK_NEAR(xyz[0] / sum, x, 0.003);
+    CHECK_NEAR(xyz[1] / sum, y, 0.003);
+}
+
+static double black_body(const void *user, double nm)
+{
+    return igi_planck(nm, *(const double *)user);
+}
+
+/* Chromaticities of CIE 15:2004, table T.3; illuminant A is a black body of 2856 K. */
+static void colours(void)
+{
+    static table t;
+    double xyz[3], rgb[3], kelvin = 2855.5;
+    igi_xyz_of_spectrum(black_body, &kelvin, xyz);
+    check_chromaticity(xyz, 0.44758, 0.40745);
+    if (load_table("real/spectral/illuminant_A.csv", 1, &t)) {
+        igi_xyz_of_spectrum(at, &t, xyz);
+        check_chromaticity(xyz, 0.44758, 0.40745);
+    }
+    if (load_table("real/spectral/illuminant_D65.csv", 1, &t)) {
+        igi_xyz_of_spectrum(at, &t, xyz);
+        check_chromaticity(xyz, 0.31272, 0.32903);
+        igi_colour_of_spectrum(at, &t, rgb);
+        for (int k = 0; k < 3; k++) CHECK_NEAR(rgb[k], 1, 0.015); /* the white of the primaries */
+    }
+    if (load_table("real/spectral/illuminant_FL2.csv", 1, &t)) {
+        igi_xyz_of_spectrum(at, &t, xyz);
+        check_chromaticity(xyz, 0.37208, 0.37529);
+    }
+    igi_colour_of_temperature(6504, rgb);
+    CHECK_NEAR(0.2126729 * rgb[0] + 0.7151522 * rgb[1] + 0.0721750 * rgb[2], 1, 1e-6);
+    CHECK(rgb[0] > 0.9 && rgb[0] < 1.1 && rgb[2] > 0.9 && rgb[2] < 1.1);
+    igi_colour_of_temperature(2700, rgb);
+    CHECK(rgb[0] > 1.5 && rgb[2] < 0.4);
+}
+
+static igi_status load_lights(igi_context *ctx, const char *lights, igi_scene **scene)
+{
+    write_fixture(FOLDER);
+    char text[2048];
+    snprintf(text, sizeof text, BOX_SCENE, lights, BOX_REGIONS);
+    write_bytes("scene.json", text, strlen(text));
+    return igi_scene_load(ctx, FOLDER, scene);
+}
+
+static void units(void)
+{
+    igi_context *ctx = test_context(1);
+    igi_scene *scene = NULL;
+    CHECK_OK(ctx, load_lights(
+                      ctx,
+                      "{\"type\":\"area\",\"region\":\"lamp\",\"power_lm\":1000},"
+                      "{\"type\":\"point\",\"position\":[0,0,0.5],\"power_lm\":1790},"
+                      "{\"type\":\"spot\",\"position\":[0,0,0.5],\"direction\":[0,0,-1],"
+                      "\"cutoff_deg\":30,\"intensity_cd\":358,\"temperature_k\":2700},"
+                      "{\"type\":\"line\",\"from\":[0,0,0.5],\"to\":[0,2,0.5],\"power_lm\":1790},"
+                      "{\"type\":\"directional\",\"direction\":[0,0,-1],\"illuminance_lx\":1e5},"
+                      "{\"type\":\"ambient\",\"luminance_cd_m2\":179}",
+                      &scene));
+    if (scene) {
+        static const double want[] = {1000 / IGI_PI / 179, 10 / (4 * IGI_PI), 0,
+                                      5 / (4 * IGI_PI),    1e5 / 179,         1};
+        for (int l = 0; l < 6; l++)
+            for (int b = 0; b < 3 && l != 2; b++) {
+                CHECK(scene->lights[l].known);
+                CHECK_NEAR(scene->lights[l].value[b] / want[l], 1, 1e-6);
+            }
+        const double *rgb = scene->lights[2].value;
+        CHECK_NEAR(0.2126729 * rgb[0] + 0.7151522 * rgb[1] + 0.0721750 * rgb[2], 2, 1e-6);
+        CHECK(rgb[0] > 2 * rgb[2]);
+    }
+    igi_scene_destroy(scene);
+    static const struct {
+        const char *light, *sentence;
+    } bad[] = {
+        {"{\"type\":\"ambient\",\"radiance\":[1,1,1],\"luminance_cd_m2\":1}",
+         "beside \"radiance\""},
+        {"{\"type\":\"ambient\",\"illuminance_lx\":1}", "unknown key"},
+        {"{\"type\":\"ambient\",\"temperature_k\":3000}", "a colour without a strength"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":-1}", "cannot be negative"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"temperature_k\":3}",
+         "500 to 100000 kelvin"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"spectrum\":\"none.csv\"}", "none.csv"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"spectrum\":\"falling.csv\"}",
+         "falling.csv:3: no wavelength in nm above the last one"}};
+    write_fixture(FOLDER);
+    write_bytes("falling.csv", "nm,power\n500,1\n400,1\n", 21);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        scene = NULL;
+        CHECK(load_lights(ctx, bad[i].light, &scene) == IGI_E_DATA);
+        CHECK_CONTAINS(igi_context_message(ctx), bad[i].sentence);
+        igi_scene_destroy(scene);
+    }
+    igi_context_destroy(ctx);
+}
+
+TEST_MAIN({"observer", observer}, {"colours", colours}, {"units", units})
