@@ -34,22 +34,31 @@ static void put_panel(FILE *script, const char *scene, bool leftmost)
           script);
 }
 
-/* The names of the curves and of the point that igi chooses, at the latter's height. */
-static void put_labels(FILE *script, const spare_rows *rows, const char *scene)
+/* What igi chooses: above its point where that is at the left, else below it. */
+static void label_choice(FILE *script, const spare_row *r, size_t most)
 {
-    fputs("unset label\n", script);
+    bool leftmost = r->parameters * r->parameters < 5 * most;
+    char maps[48] = "no map";
+    if (r->map_size > 0) snprintf(maps, sizeof maps, "maps to %d texels a side", r->map_size);
+    fprintf(script,
+            "set label \"igi's choice:\\n%zu parameters,\\n%zu lobes, %s\" at %zu,%.6g %s "
+            "textcolor lt 1\n",
+            r->parameters, r->lobes, maps, r->parameters, 100 * r->error,
+            leftmost ? "left offset 0,3.6" : "right offset 2,-1.6");
+}
+
+static void put_labels(FILE *script, const spare_rows *rows, const char *scene, size_t most)
+{
     const spare_row *lambert = NULL;
+    fputs("unset label\n", script);
     for (size_t i = 0; i < rows->count; i++) {
         const spare_row *r = &rows->rows[i];
         if (strcmp(r->scene, scene) != 0) continue;
         if (!lambert && strcmp(r->model, "lambert") == 0) lambert = r;
         if (!r->chosen) continue;
-        fprintf(script,
-                "set label \"igi's choice:\\n%zu parameters,\\n%zu lobes, maps to %d\" at "
-                "%zu,%.6g left offset 1.5,0 textcolor lt 1\n",
-                r->parameters, r->lobes, r->map_size, r->parameters, 100 * r->error);
+        label_choice(script, r, most);
         if (lambert && lambert->error > 1.3 * r->error)
-            fprintf(script, "set label 'no lobes' at %zu,%.6g left offset 1.5,0 textcolor lt 2\n",
+            fprintf(script, "set label 'no lobes' at %zu,%.6g right offset 0,1 textcolor lt 2\n",
                     lambert->parameters, 100 * lambert->error);
     }
 }
@@ -75,11 +84,11 @@ igi_status chart_spare_draw(igi_context *ctx, const spare_rows *rows, const char
             "unset key\nset logscale xy\nset format y '%%g'\nset format x '10^{%%L}'\n"
             "set xlabel 'parameters of the result'\nset xrange [5:%zu]\n"
             "set yrange [%.6g:%.6g]\n",
-            scenes, .16 / (double)scenes, most * 40, low * .6, high * 1.6);
+            scenes, .16 / (double)scenes, most * 4, low * .6, high * 1.6);
     for (size_t i = 0; i < rows->count; i++) {
         const char *scene = rows->rows[i].scene;
         if (i > 0 && strcmp(scene, rows->rows[i - 1].scene) == 0) continue;
-        put_labels(script, rows, scene);
+        put_labels(script, rows, scene, most);
         put_panel(script, scene, i == 0);
     }
     fputs("unset multiplot\n", script);

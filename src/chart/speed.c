@@ -23,7 +23,7 @@ typedef struct rung {
 } rung;
 
 static const rung ladder[] = {
-    {IGI_METHOD_PATCHES, 6, 8, true},      {IGI_METHOD_PATCHES, 4, 16, false},
+    {IGI_METHOD_PATCHES, 4, 8, true},      {IGI_METHOD_PATCHES, 3, 16, false},
     {IGI_METHOD_PATCHES, 2.5, 16, false},  {IGI_METHOD_PATCHES, 1.5, 32, true},
     {IGI_METHOD_PATCHES, 1, 64, false},    {IGI_METHOD_PATCHES, 1, 256, false},
     {IGI_METHOD_GATHER, 2, 4, false},      {IGI_METHOD_GATHER, 1, 16, false},

@@ -30,9 +30,12 @@ static const int colours[METHODS] = {[IGI_METHOD_PATCHES] = 1,
                                      [IGI_METHOD_DIRECT] = 2,
                                      [IGI_METHOD_YU99] = 4};
 
+/* A method that looks for no lobes misses them by 100 %, which is no point of a curve. */
 static double error_of(const speed_row *r, size_t kind)
 {
-    const double errors[KINDS] = {r->albedo, r->specular, r->alpha, r->texels};
+    bool lobes = r->method == IGI_METHOD_PATCHES || r->method == IGI_METHOD_YU99;
+    const double errors[KINDS] = {r->albedo, lobes ? r->specular : (double)NAN,
+                                  lobes ? r->alpha : (double)NAN, r->texels};
     return errors[kind];
 }
 
@@ -51,7 +54,7 @@ typedef struct label {
     double x, y;
     int colour;
     const char *text;
-    bool left; /* stands left of its point */
+    bool above; /* its point, not at its height */
 } label;
 
 typedef struct panel {
@@ -62,10 +65,10 @@ typedef struct panel {
     int count;
 } panel;
 
-static void add_label(panel *p, double x, double y, int colour, const char *text, bool left)
+static void add_label(panel *p, double x, double y, int colour, const char *text, bool above)
 {
     if (p->count < MAX_LABELS && x > 0 && y > 0)
-        p->labels[p->count++] = (label){x, y, colour, text, left};
+        p->labels[p->count++] = (label){x, y, colour, text, above};
 }
 
 static int by_height(const void *a, const void *b)
@@ -103,13 +106,16 @@ static void label_methods(panel *p, const speed_rows *rows)
     }
 }
 
+/* A peer's curve falls from left to right: above its end there is room. */
 static void label_peers(panel *p, const peer_curves *peers)
 {
     for (size_t i = 0; i < peers->count; i++) {
         const peer_curve *c = &peers->curves[i];
         if (strcmp(c->scene, p->scene) != 0 || c->count == 0) continue;
-        const peer_point *last = &c->points[c->count - 1];
-        add_label(p, last->cpu_s, 100 * last->errors[p->kind], 8, c->peer, true);
+        double first = c->points[0].cpu_s, last = c->points[c->count - 1].cpu_s;
+        size_t k = 0;
+        while (k + 1 < c->count && c->points[k].cpu_s < first * pow(last / first, .72)) k++;
+        add_label(p, c->points[k].cpu_s, 100 * c->points[k].errors[p->kind], 8, c->peer, true);
     }
 }
 
@@ -130,7 +136,7 @@ static void put_curves(FILE *script, const panel *p, const speed_rows *rows,
         fprintf(script, "'peers.csv' using (strcol('scene') eq scene && strcol('peer') eq ");
         chart_plot_quoted(script, peers->curves[i].peer);
         fprintf(script,
-                " ? column('cpu_s') : NaN):(100*column('%s')) with lines lt 8 dt 2, \\\n"
+                " ? column('cpu_s') : NaN):(100*column('%s')) with steps lt 8, \\\n"
                 "     ",
                 column);
     }
@@ -168,8 +174,8 @@ static void put_panel(FILE *script, const panel *p, const speed_rows *rows,
         const label *l = &p->labels[i];
         fputs("set label ", script);
         chart_plot_text(script, l->text);
-        fprintf(script, " at %.6g,%.6g %s offset %s textcolor lt %d front\n", l->x, l->y,
-                l->left ? "right" : "left", l->left ? "0,.9" : ".9,0", l->colour);
+        fprintf(script, " at %.6g,%.6g left offset %s textcolor lt %d front\n", l->x, l->y,
+                l->above ? ".5,.8" : ".9,0", l->colour);
     }
     fputs("set title ", script);
     if (p->kind == 0) chart_plot_text(script, p->scene);
@@ -258,6 +264,39 @@ static panel make_panel(const char *scene, size_t kind, const speed_rows *rows,
     return p;
 }
 
+/* In the first cell that has no panel: what the lines are. */
+static void put_key(FILE *script, const peer_curves *peers)
+{
+    static const struct {
+        int colour;
+        const char *text;
+    } lines[] = {{1, "patches: every patch gathers; igi's own choice"},
+                 {4, "yu99: the algorithm of 1999"},
+                 {5, "radiosity: a dense system on a coarse mesh"},
+                 {3, "gather: points look into the photographs"},
+                 {2, "direct: no interreflection"}};
+    fputs("unset label\nset title ''\nset xlabel ''\nset ylabel ''\n", script);
+    double y = .95;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++, y -= .1) {
+        fputs("set label ", script);
+        chart_plot_quoted(script, lines[i].text);
+        fprintf(script, " at graph 0,%.2f textcolor lt %d\n", y, lines[i].colour);
+    }
+    if (peers->count > 0)
+        fprintf(script,
+                "set label 'black: a peer; from then on its error stays below' "
+                "at graph 0,%.2f textcolor lt 8\n",
+                y);
+    if (peers->count > 0) y -= .1;
+    fprintf(script,
+            "set label 'broad grey line: the front' at graph 0,%.2f textcolor rgb '#808080'\n"
+            "unset border\nunset grid\nset tics scale 0\nset format ''\nunset logscale\n"
+            "plot [0:1][0:1] NaN\n"
+            "set border 3\nset grid ls 100\nset tics scale .5\nset format '%%g'\n"
+            "set logscale xy\n",
+            y);
+}
+
 igi_status chart_speed_draw(igi_context *ctx, const speed_rows *rows, const peer_curves *peers,
                             const char *folder)
 {
@@ -273,10 +312,13 @@ igi_status chart_speed_draw(igi_context *ctx, const speed_rows *rows, const peer
             "set multiplot layout %zu,%zu margins %.3f,.99,%.3f,%.3f spacing .05,.06\n"
             "unset key\nset logscale xy\nset format '%%g'\n",
             lines, count, .16 / (double)count, .2 / (double)lines, 1 - .12 / (double)lines);
+    bool explained = false;
     for (size_t k = 0; k < lines; k++)
         for (size_t i = 0; i < count; i++) {
             if (!has_errors(scenes[i], list[k], rows)) {
-                fputs("set multiplot next\n", script);
+                if (explained) fputs("set multiplot next\n", script);
+                else put_key(script, peers);
+                explained = true;
                 continue;
             }
             panel p = make_panel(scenes[i], list[k], rows, peers);

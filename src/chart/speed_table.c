@@ -62,6 +62,8 @@ static igi_status save_peers(igi_context *ctx, const peer_curves *peers, const c
     for (size_t i = 0; i < peers->count; i++)
         for (size_t k = 0; k < peers->curves[i].count; k++) {
             const peer_point *p = &peers->curves[i].points[k];
+            bool last = k + 1 == peers->curves[i].count;
+            if (k > 0 && !last && memcmp(p->errors, p[-1].errors, sizeof p->errors) == 0) continue;
             put_name(file, peers->curves[i].peer);
             fputs(",", file);
             put_name(file, peers->curves[i].scene);
