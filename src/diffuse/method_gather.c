@@ -89,10 +89,10 @@ static const float *radiance_met(const job *j, size_t ray)
 
 static void gather_row(const job *j, size_t row)
 {
-    size_t bands = (size_t)j->problem->bands, rays = (size_t)j->rows->rays, shown = 0;
+    size_t bands = (size_t)j->problem->bands, shown = 0;
     float *irradiance = j->irradiance + row * bands, direct[IGI_MAX_BANDS];
     double sum[IGI_MAX_BANDS] = {0};
-    for (size_t ray = row * rays; ray < (row + 1) * rays; ray++) {
+    for (size_t ray = j->rows->begin[row]; ray < j->rows->begin[row + 1]; ray++) {
         bool dark = j->rows->hits[ray] == IGI_NO_SIDE; /* lamps are in `direct` */
         const float *radiance = dark ? NULL : radiance_met(j, ray);
         for (size_t b = 0; radiance && b < bands; b++) sum[b] += (double)radiance[b];

@@ -37,9 +37,10 @@ static void add_scores(igi_powers *p, double *score, double *sum)
 /* Variance of a row's gathered irradiance, as its rays scatter: an upper bound. */
 static double row_variance(const igi_powers *p, const igi_diffuse *diffuse, size_t row, size_t b)
 {
-    double sum = 0, squares = 0, n = (double)p->rows->rays;
-    for (size_t k = 0; k < (size_t)p->rows->rays; k++) {
-        uint32_t side = p->rows->hits[row * (size_t)p->rows->rays + k];
+    size_t begin = p->rows->begin[row], end = p->rows->begin[row + 1];
+    double sum = 0, squares = 0, n = (double)(end - begin);
+    for (size_t k = begin; k < end; k++) {
+        uint32_t side = p->rows->hits[k];
         double x = side == IGI_NO_SIDE ? 0 : (double)diffuse->radiance[side * p->bands + b];
         sum += x;
         squares += x * x;

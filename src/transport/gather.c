@@ -12,6 +12,8 @@
 #include <string.h>
 
 #define ROWS_A_TASK 128
+#define MOST_FOLD 16 /* a row sends at most so many times the rays that were asked for, */
+#define LEAST_SHARE 8 /* and at least one in so many */
 
 typedef struct job {
     const igi_scene *scene;
@@ -22,6 +24,8 @@ typedef struct job {
     igi_gather_options options;
     igi_rows *rows;
     uint64_t shift;    /* of the sequence, from the seed */
+    int *region_rays;  /* [regions] of each of its rows with sites */
+    int unseen_rays;   /* of each row without */
     size_t begin, end; /* rows of this round */
 } job;
 
@@ -87,24 +91,24 @@ static void gather_indirect(const job *j, size_t row, igi_rng *rng)
 {
     igi_rows *r = j->rows;
     uint32_t side = r->side[row];
-    uint32_t first = sequence_start(j->patches, side) * (uint32_t)r->rays;
+    int rays = (int)(r->begin[row + 1] - r->begin[row]);
+    uint32_t first = sequence_start(j->patches, side) * (uint32_t)rays;
     uint64_t shift = igi_hash64(j->shift ^
                                 (2 * (uint64_t)j->patches->triangle[side >> 1] + (side & 1)));
-    for (int k = 0; k < r->rays; k++) {
+    for (int k = 0; k < rays; k++) {
         float u, v;
         sequence_point(first + (uint32_t)k, shift, &u, &v);
-        place p = origin(j, r->side[row], k, r->rays, rng);
+        place p = origin(j, r->side[row], k, rays, rng);
         igi_hit hit = igi_trace(j->tracer, p.point, igi_cosine_direction(p.normal, u, v));
-        r->hits[row * (size_t)r->rays + (size_t)k] = met(j, &hit);
-        if (r->met) r->met[row * (size_t)r->rays + (size_t)k] = hit;
+        r->hits[r->begin[row] + (size_t)k] = met(j, &hit);
+        if (r->met) r->met[r->begin[row] + (size_t)k] = hit;
     }
 }
 
 /* Light l from the row's places: closed form where nothing is in between, times the visible share
  * of what the shadow rays carry. Every light is looked for from the same places. */
-static void light_row(const job *j, size_t row, size_t l, igi_rng rng)
+static void light_row(const job *j, size_t row, size_t l, int points, igi_rng rng)
 {
-    int points = j->options.light_points;
     uint32_t side = j->rows->side[row];
     uint32_t first = sequence_start(j->patches, side) * (uint32_t)points;
     uint64_t shift = igi_hash64(igi_hash64(j->shift + l + 1) ^
@@ -144,16 +148,25 @@ static void light_row(const job *j, size_t row, size_t l, igi_rng rng)
     j->rows->visible_var[at] = sent > 0 ? fmaxf(0.0f, squares / (sent * sent)) : 0;
 }
 
+/* Points from which a row looks for the lights: in proportion to its rays. */
+static int points_of(const job *j, size_t row)
+{
+    size_t rays = j->rows->begin[row + 1] - j->rows->begin[row];
+    if (j->options.rays == 0) return j->options.light_points;
+    int points = (int)(rays * (size_t)j->options.light_points / (size_t)j->options.rays);
+    return points > 0 ? points : 1;
+}
+
 static void gather_direct(const job *j, size_t row, igi_rng rng)
 {
     igi_vec sum = igi_v(0, 0, 0);
     igi_rng places = rng;
-    for (int k = 0; k < j->options.light_points; k++)
-        sum = igi_add(sum,
-                      origin(j, j->rows->side[row], k, j->options.light_points, &places).point);
-    sum = igi_scale(sum, 1 / (float)j->options.light_points);
+    int points = points_of(j, row);
+    for (int k = 0; k < points; k++)
+        sum = igi_add(sum, origin(j, j->rows->side[row], k, points, &places).point);
+    sum = igi_scale(sum, 1 / (float)points);
     memcpy(j->rows->point + 3 * row, &sum, 3 * sizeof(float));
-    for (size_t l = 0; l < j->rows->lights; l++) light_row(j, row, l, rng);
+    for (size_t l = 0; l < j->rows->lights; l++) light_row(j, row, l, points, rng);
 }
 
 static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int worker)
@@ -162,13 +175,14 @@ static igi_status gather_rows(igi_context *ctx, void *user, size_t task, int wor
     const job *j = user;
     size_t begin = j->begin + task * ROWS_A_TASK;
     size_t end = begin + ROWS_A_TASK < j->end ? begin + ROWS_A_TASK : j->end;
+    size_t rays = j->rows->begin[end] - j->rows->begin[begin];
     for (size_t row = begin; row < end; row++) {
         igi_rng rng = igi_rng_make(igi_seed(ctx), row);
         gather_indirect(j, row, &rng);
         gather_direct(j, row, rng);
+        rays += (size_t)points_of(j, row) * j->rows->lights;
     }
-    size_t rays = (size_t)j->rows->rays + (size_t)j->options.light_points * j->rows->lights;
-    igi_count_rays(ctx, (end - begin) * rays);
+    igi_count_rays(ctx, rays);
     return IGI_OK;
 }
 
@@ -177,7 +191,7 @@ static size_t discover(const job *j)
 {
     igi_rows *r = j->rows;
     size_t found = 0;
-    for (size_t i = j->begin * (size_t)r->rays; i < j->end * (size_t)r->rays; i++) {
+    for (size_t i = r->begin[j->begin]; i < r->begin[j->end]; i++) {
         uint32_t side = r->hits[i];
         if (side == IGI_NO_SIDE || r->row_of[side] != IGI_NO_ROW) continue;
         r->row_of[side] = (uint32_t)(r->count + found);
@@ -187,9 +201,16 @@ static size_t discover(const job *j)
 }
 
 /* Makes room for rows begin..end - 1; arrays of a row are zeroed, whatever it will fill in. */
-static igi_status grow(igi_context *ctx, igi_rows *r, size_t begin, size_t end, size_t capacity[5])
+static igi_status grow(igi_context *ctx, const job *j, size_t capacity[5])
 {
-    void *grown = igi_grow(ctx, r->hits, &capacity[0], end * (size_t)r->rays, sizeof *r->hits);
+    igi_rows *r = j->rows;
+    size_t begin = j->begin, end = j->end;
+    for (size_t row = begin; row < end; row++) {
+        uint32_t region = igi_patch_region(j->patches, r->side[row] >> 1);
+        int rays = row < r->seen_count ? j->region_rays[region] : j->unseen_rays;
+        r->begin[row + 1] = r->begin[row] + (size_t)rays;
+    }
+    void *grown = igi_grow(ctx, r->hits, &capacity[0], r->begin[end], sizeof *r->hits);
     if (!grown) return IGI_E_SYSTEM;
     r->hits = grown;
     grown = igi_grow(ctx, r->point, &capacity[1], end * 3, sizeof *r->point);
@@ -219,6 +240,27 @@ static void start_with_seen(igi_rows *r, const igi_patches *patches, const igi_s
     r->seen_count = r->count;
 }
 
+/* How many rays each row sends. */
+static igi_status share_rays(igi_context *ctx, job *j)
+{
+    const igi_rows *r = j->rows;
+    int rays = j->options.rays, wanted = j->options.region_rays;
+    size_t sides = 2 * j->patches->count, sent = 0;
+    j->unseen_rays = rays;
+    IGI_TRY(IGI_ALLOC(ctx, j->scene->region_count, &j->region_rays));
+    for (size_t row = 0; row < r->count; row++)
+        j->region_rays[igi_patch_region(j->patches, r->side[row] >> 1)]++;
+    for (size_t k = 0; k < j->scene->region_count; k++) {
+        int rows = j->region_rays[k], each = wanted / (rows > 0 ? rows : 1);
+        j->region_rays[k] = each > MOST_FOLD * rays ? MOST_FOLD * rays : each > rays ? each : rays;
+        sent += (size_t)(rows * j->region_rays[k]);
+    }
+    if (wanted == 0 || sides == r->count) return IGI_OK;
+    size_t each = sent / (sides - r->count), least = (size_t)(rays / LEAST_SHARE + 1);
+    if (each < (size_t)rays) j->unseen_rays = (int)(each > least ? each : least);
+    return IGI_OK;
+}
+
 igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_patches *patches,
                            const igi_tracer *tracer, const igi_lighting *lighting,
                            const igi_sites *sites, const igi_gather_options *options,
@@ -227,16 +269,17 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     igi_status status = IGI_OK;
     igi_rows *r = NULL;
     size_t capacity[5] = {0};
+    job j = {.region_rays = NULL};
     *rows = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
-    r->rays = options->rays;
     r->lights = igi_lighting_count(lighting);
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->side));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count, &r->row_of));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches->count + 1, &r->begin));
     start_with_seen(r, patches, sites, scene, options->wanted);
     if (options->wanted && options->keep_met)
-        IGI_TRY_GOTO(IGI_ALLOC(ctx, r->count * (size_t)r->rays, &r->met));
-    job j = {.scene = scene,
+        IGI_TRY_GOTO(IGI_ALLOC(ctx, r->count * (size_t)options->rays, &r->met));
+    j = (job){.scene = scene,
              .patches = patches,
              .tracer = tracer,
              .lighting = lighting,
@@ -246,8 +289,9 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
              .shift = igi_hash64(igi_seed(ctx)),
              .begin = 0,
              .end = r->count};
+    IGI_TRY_GOTO(share_rays(ctx, &j));
     while (j.begin < j.end) {
-        IGI_TRY_GOTO(grow(ctx, r, j.begin, j.end, capacity));
+        IGI_TRY_GOTO(grow(ctx, &j, capacity));
         size_t tasks = (j.end - j.begin + ROWS_A_TASK - 1) / ROWS_A_TASK;
         IGI_TRY_GOTO(igi_parallel_for(ctx, tasks, gather_rows, &j));
         if (!options->wanted) r->count += discover(&j);
@@ -257,6 +301,7 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     *rows = r;
     r = NULL;
 cleanup:
+    igi_free(j.region_rays);
     igi_rows_destroy(r);
     return status;
 }
@@ -266,6 +311,7 @@ void igi_rows_destroy(igi_rows *rows)
     if (!rows) return;
     igi_free(rows->side);
     igi_free(rows->row_of);
+    igi_free(rows->begin);
     igi_free(rows->hits);
     igi_free(rows->met);
     igi_free(rows->direct);
@@ -278,14 +324,15 @@ void igi_rows_destroy(igi_rows *rows)
 void igi_row_indirect(const igi_rows *rows, size_t row, const float *radiance, int bands,
                       float *irradiance)
 {
-    const uint32_t *hits = rows->hits + row * (size_t)rows->rays;
+    const uint32_t *hits = rows->hits + rows->begin[row];
+    size_t rays = rows->begin[row + 1] - rows->begin[row];
     float sum[IGI_MAX_BANDS] = {0};
-    for (int k = 0; k < rows->rays; k++) {
+    for (size_t k = 0; k < rays; k++) {
         if (hits[k] == IGI_NO_SIDE) continue;
         const float *met = radiance + (size_t)hits[k] * (size_t)bands;
         for (int b = 0; b < bands; b++) sum[b] += met[b];
     }
-    float scale = rows->rays > 0 ? IGI_PIF / (float)rows->rays : 0;
+    float scale = rays > 0 ? IGI_PIF / (float)rays : 0;
     for (int b = 0; b < bands; b++) irradiance[b] = scale * sum[b];
 }
 

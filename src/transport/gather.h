@@ -27,6 +27,9 @@ typedef struct igi_sites {
 typedef struct igi_gather_options {
     int rays;              /* K, rays of each row; 0: only the lights are looked for */
     int light_points;      /* points of each row from which the lights are looked for; >= 1 */
+    int region_rays;       /* what the rows of a region with sites send together at least, so that
+                              a small region is known as well as a large one; rows without sites
+                              then send together about as many as the others. 0: K each */
     const uint8_t *wanted; /* [2 patches] non-zero: a side that gets a row; NULL: every side with
                               sites, every side that their rays meet, and so on until no new side
                               is met */
@@ -39,12 +42,12 @@ typedef struct igi_gather_options {
 typedef struct igi_rows {
     size_t count;
     size_t seen_count; /* rows 0..seen_count-1 are sides with sites; the others were met by rays */
-    int rays;
     size_t lights;
+    size_t *begin;      /* [count + 1] rays of a row: hits[begin[row]...] */
     uint32_t *side;     /* [count] 2 patch + back */
     uint32_t *row_of;   /* [2 * patches] row of a side, or IGI_NO_ROW */
-    uint32_t *hits;     /* [count][rays] side met, or IGI_NO_SIDE: nothing, or a lamp */
-    igi_hit *met;       /* [count][rays] the hits themselves; NULL unless asked for */
+    uint32_t *hits;     /* [begin[count]] side met, or IGI_NO_SIDE: nothing, or a lamp */
+    igi_hit *met;       /* [begin[count]] the hits themselves; NULL unless asked for */
     float *direct;      /* [count][lights] irradiance per unit of the light's value */
     float *open;        /* [count][lights] the same, as if nothing were in between: equal to direct
                          where each shadow ray arrived */
