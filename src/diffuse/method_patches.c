@@ -26,7 +26,7 @@
 #define DEFAULT_RAYS 64
 #define FEWEST_RAYS 8
 #define MOST_RAYS 1024
-#define REGION_FOLD 256 /* rays of a small region's rows together, in units of one row's */
+#define REGION_FOLD 256  /* rays of a small region's rows together, in units of one row's */
 #define DARK_ALBEDO 0.02 /* errors of darker surfaces are judged as if they were this bright */
 #define MAX_SWEEPS 200
 /* Relative change of the unseen radiances at which the sweeps end. The albedos settle far sooner:
@@ -152,9 +152,8 @@ cleanup:
 static igi_status gather_and_solve(igi_context *ctx, const igi_problem *problem, int rays,
                                    igi_diffuse *diffuse)
 {
-    igi_gather_options options = {.rays = rays,
-                                  .light_points = rays > 4 ? rays / 5 : 1,
-                                  .region_rays = REGION_FOLD * rays};
+    igi_gather_options options = {
+        .rays = rays, .light_points = rays > 4 ? rays / 5 : 1, .region_rays = REGION_FOLD * rays};
     igi_sites sites = igi_problem_sites(problem);
     igi_rows_destroy(diffuse->rows);
     diffuse->rows = NULL;

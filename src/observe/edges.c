@@ -224,9 +224,9 @@ igi_status igi_registration_measure(igi_context *ctx, const igi_scene *scene,
     for (int y = 0; y + 1 < visible->height; y++)
         for (int x = 0; x + 1 < visible->width; x++) {
             size_t i = (size_t)y * (size_t)visible->width + (size_t)x;
-            if (visible->near_edge[i] != 2) continue;
-            if (visible->near_edge[i + 1] == 2) IGI_TRY_GOTO(scan_pixel(ctx, &s, x, y, 0));
-            if (visible->near_edge[i + (size_t)visible->width] == 2)
+            if (visible->near_edge[i] < 2) continue;
+            if (visible->near_edge[i + 1] >= 2) IGI_TRY_GOTO(scan_pixel(ctx, &s, x, y, 0));
+            if (visible->near_edge[i + (size_t)visible->width] >= 2)
                 IGI_TRY_GOTO(scan_pixel(ctx, &s, x, y, 1));
         }
     IGI_TRY_GOTO(fit(ctx, &s, registration));

@@ -23,8 +23,14 @@
 #define ALL_BACK 0.9
 #define FEW_BACK 0.5
 
+/* A region of fewer clean pixels is too small to be without those near its edges: the next grade
+ * of them (igi_visible) counts as well, and so on. */
+#define FEWEST_PIXELS 200
+#define GRADES 4
+
 typedef struct frame_pixels {
     size_t count;
+    uint8_t *grade;
     uint32_t *surface, *pixel;
     float *uv, *radiance;
     size_t broken;
@@ -97,7 +103,8 @@ static void collect(const job *j, size_t frame, const igi_image *image, const ig
             continue;
         }
         const igi_hit *hit = &visible->hits[i];
-        if (hit->triangle == IGI_NO_HIT || visible->near_edge[i] || !is_kept(j, frame, i)) continue;
+        if (hit->triangle == IGI_NO_HIT || !is_kept(j, frame, i)) continue;
+        f->grade[f->count] = visible->near_edge[i];
         f->surface[f->count] = igi_surface_of(hit);
         f->pixel[f->count] = i;
         f->uv[2 * f->count] = hit->u;
@@ -166,6 +173,7 @@ static igi_status check_places(igi_context *ctx, const igi_scene *scene, const f
 
 static igi_status allocate_frame(igi_context *ctx, frame_pixels *f, size_t pixels, int bands)
 {
+    IGI_TRY(IGI_ALLOC(ctx, pixels, &f->grade));
     IGI_TRY(IGI_ALLOC(ctx, pixels, &f->surface));
     IGI_TRY(IGI_ALLOC(ctx, pixels, &f->pixel));
     IGI_TRY(IGI_ALLOC(ctx, 2 * pixels, &f->uv));
@@ -193,6 +201,51 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
 cleanup:
     igi_visible_clear(&visible);
     igi_image_destroy(image);
+    return status;
+}
+
+/* Drops the pixels of too high a grade for their region. */
+static void drop_pixels(const job *j, frame_pixels *f, const uint8_t *highest)
+{
+    size_t kept = 0, bands = (size_t)j->scene->bands;
+    for (size_t i = 0; i < f->count; i++) {
+        uint32_t region = j->scene->mesh.regions[igi_surface_triangle(f->surface[i])];
+        if (f->grade[i] > highest[region]) continue;
+        f->surface[kept] = f->surface[i];
+        f->pixel[kept] = f->pixel[i];
+        memcpy(f->uv + 2 * kept, f->uv + 2 * i, 2 * sizeof *f->uv);
+        memmove(f->radiance + kept * bands, f->radiance + i * bands, bands * sizeof *f->radiance);
+        kept++;
+    }
+    f->count = kept;
+    igi_free(f->grade);
+    f->grade = NULL;
+}
+
+/* Pixels near edges go, but for regions that have no others to speak of. */
+static igi_status drop_edges(igi_context *ctx, job *j, bool *mixed)
+{
+    size_t regions = j->scene->region_count, *counts = NULL;
+    uint8_t *highest = NULL;
+    igi_status status = IGI_OK;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions * GRADES, &counts));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &highest));
+    for (size_t k = 0; k < j->scene->frame_count; k++)
+        for (size_t i = 0; i < j->frames[k].count; i++) {
+            uint32_t triangle = igi_surface_triangle(j->frames[k].surface[i]);
+            counts[j->scene->mesh.regions[triangle] * GRADES + j->frames[k].grade[i]]++;
+        }
+    for (size_t r = 0; r < regions; r++) {
+        size_t sum = counts[r * GRADES];
+        while (sum < FEWEST_PIXELS && highest[r] + 1 < GRADES)
+            sum += counts[r * GRADES + ++highest[r]];
+        if (j->scene->regions[r].emitter) highest[r] = 0; /* a lamp's edges are the worst */
+        mixed[r] = highest[r] > 0;
+    }
+    for (size_t k = 0; k < j->scene->frame_count; k++) drop_pixels(j, &j->frames[k], highest);
+cleanup:
+    igi_free(counts);
+    igi_free(highest);
     return status;
 }
 
@@ -273,11 +326,14 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &o->mixed));
+    IGI_TRY_GOTO(drop_edges(ctx, &j, o->mixed));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
     *observations = o;
     o = NULL;
 cleanup:
     for (size_t i = 0; j.frames && i < scene->frame_count; i++) {
+        igi_free(j.frames[i].grade);
         igi_free(j.frames[i].surface);
         igi_free(j.frames[i].pixel);
         igi_free(j.frames[i].uv);
@@ -321,6 +377,7 @@ void igi_observations_destroy(igi_observations *observations)
     igi_free(observations->registrations);
     igi_free(observations->saturated);
     igi_free(observations->frame_begin);
+    igi_free(observations->mixed);
     igi_free(observations->surface);
     igi_free(observations->uv);
     igi_free(observations->pixel);

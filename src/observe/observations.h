@@ -26,11 +26,12 @@ typedef struct igi_observations {
     int bands;
     size_t count;
     size_t frame_count;
-    size_t *frame_begin;             /* [frame_count + 1] */
-    uint32_t *surface;               /* [count] */
-    float *uv;                       /* [count][2] barycentric */
-    uint32_t *pixel;                 /* [count] row * width + column in its frame */
-    float *radiance;                 /* [count][bands], W m^-2 sr^-1 */
+    size_t *frame_begin; /* [frame_count + 1] */
+    uint32_t *surface;   /* [count] */
+    float *uv;           /* [count][2] barycentric */
+    uint32_t *pixel;     /* [count] row * width + column in its frame */
+    float *radiance;     /* [count][bands], W m^-2 sr^-1 */
+    bool *mixed;         /* [regions] too small for clean pixels: known by those near its edges */
     igi_registration *registrations; /* [frame_count] */
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t warning_count;

@@ -38,6 +38,16 @@ bool igi_visible_is_edge(const igi_scene *scene, const igi_tracer *tracer, const
     return fabsf(igi_dot(na, offset)) > DEPTH_JUMP_PX * pixel_m;
 }
 
+static void mark_pair(const igi_scene *scene, igi_visible *v, int i, int k)
+{
+    const igi_hit *a = &v->hits[i], *b = &v->hits[k];
+    bool missed = a->triangle == IGI_NO_HIT || b->triangle == IGI_NO_HIT;
+    uint8_t grade = 2;
+    if (missed || scene->mesh.regions[a->triangle] != scene->mesh.regions[b->triangle]) grade = 3;
+    if (v->near_edge[i] < grade) v->near_edge[i] = grade;
+    if (v->near_edge[k] < grade) v->near_edge[k] = grade;
+}
+
 static void mark_beside_edges(const igi_scene *scene, const igi_tracer *tracer, igi_visible *v,
                               float pixel_rad)
 {
@@ -47,9 +57,9 @@ static void mark_beside_edges(const igi_scene *scene, const igi_tracer *tracer, 
             int i = y * w + x;
             const igi_hit *hit = &v->hits[i];
             if (x + 1 < w && igi_visible_is_edge(scene, tracer, hit, hit + 1, pixel_rad))
-                v->near_edge[i] = v->near_edge[i + 1] = 2;
+                mark_pair(scene, v, i, i + 1);
             if (y + 1 < h && igi_visible_is_edge(scene, tracer, hit, hit + w, pixel_rad))
-                v->near_edge[i] = v->near_edge[i + w] = 2;
+                mark_pair(scene, v, i, i + w);
         }
 }
 
@@ -76,7 +86,7 @@ igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene, const ig
     mark_beside_edges(scene, tracer, visible, (float)(1 / camera->fl_x));
     for (int y = 0; y < visible->height; y++)
         for (int x = 0; x < visible->width; x++)
-            if (visible->near_edge[y * visible->width + x] == 2) mark_neighbours(visible, x, y);
+            if (visible->near_edge[y * visible->width + x] >= 2) mark_neighbours(visible, x, y);
 cleanup:
     if (status != IGI_OK) igi_visible_clear(visible);
     return status;

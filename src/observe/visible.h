@@ -9,11 +9,13 @@
 
 /* hits[height][width]: what the ray through each pixel's centre meets, and whether the pixel lies
  * within two pixels of an edge: where the region, the side, the depth or the normal jumps. Such
- * pixels mix two radiances, or would with a camera half a pixel off. */
+ * pixels mix two radiances, or would with a camera half a pixel off; those of grade 3 mix two
+ * materials. */
 typedef struct igi_visible {
     int width, height;
     igi_hit *hits;
-    uint8_t *near_edge; /* 0: clean; 1: within 2 pixels of an edge; 2: beside one */
+    uint8_t *near_edge; /* 0: clean; 1: within 2 pixels of an edge; 2: beside one; 3: beside one
+                           where the region changes or ends */
 } igi_visible;
 
 IGI_MUST_USE igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene,

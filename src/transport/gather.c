@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define ROWS_A_TASK 128
-#define MOST_FOLD 16 /* a row sends at most so many times the rays that were asked for, */
+#define MOST_FOLD 16  /* a row sends at most so many times the rays that were asked for, */
 #define LEAST_SHARE 8 /* and at least one in so many */
 
 typedef struct job {
@@ -280,15 +280,15 @@ igi_status igi_rows_create(igi_context *ctx, const igi_scene *scene, const igi_p
     if (options->wanted && options->keep_met)
         IGI_TRY_GOTO(IGI_ALLOC(ctx, r->count * (size_t)options->rays, &r->met));
     j = (job){.scene = scene,
-             .patches = patches,
-             .tracer = tracer,
-             .lighting = lighting,
-             .sites = sites,
-             .options = *options,
-             .rows = r,
-             .shift = igi_hash64(igi_seed(ctx)),
-             .begin = 0,
-             .end = r->count};
+              .patches = patches,
+              .tracer = tracer,
+              .lighting = lighting,
+              .sites = sites,
+              .options = *options,
+              .rows = r,
+              .shift = igi_hash64(igi_seed(ctx)),
+              .begin = 0,
+              .end = r->count};
     IGI_TRY_GOTO(share_rays(ctx, &j));
     while (j.begin < j.end) {
         IGI_TRY_GOTO(grow(ctx, &j, capacity));
