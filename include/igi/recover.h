@@ -55,8 +55,28 @@ typedef struct igi_comparison {
     igi_image *photo, *prediction; /* bands only; the same size */
 } igi_comparison;
 
+/* One model that was tried on a region's highlights. */
+typedef struct igi_model_evidence {
+    igi_model model;
+    const char *look;          /* "glance", "search" or "refine": with ever more pixels */
+    double gain;               /* -2 ln likelihood gained over no lobe; NaN: nothing to judge by */
+    double residuals;          /* on which it rests */
+    double noise, plain_noise; /* relative deviation of a residual with the lobe, and without */
+    double specular, specular_std, alpha;
+    bool at_bound; /* alpha ran into an end of what is looked for: no lobe */
+} igi_model_evidence;
+
+enum { IGI_EVIDENCE_ROOM = 16 };
+
+/* What was tried on a region, in order. */
+typedef struct igi_region_evidence {
+    size_t count;
+    igi_model_evidence tried[IGI_EVIDENCE_ROOM];
+} igi_region_evidence;
+
 typedef struct igi_recovery {
     igi_materials *materials;
+    igi_region_evidence *evidence; /* [materials->count] */
     size_t comparison_count;
     igi_comparison *comparisons;
 } igi_recovery;

@@ -52,9 +52,16 @@ IGI_API IGI_MUST_USE igi_status igi_comparisons_save(igi_context *context,
                                                      const igi_recovery *recovery,
                                                      const char *folder);
 
+/* Writes FOLDER/evidence.json: of each region the models that were tried, what each gained, and how
+ * many numbers the region was given. The same recovery, the same bytes. */
+IGI_API IGI_MUST_USE igi_status igi_evidence_save(igi_context *context,
+                                                  const igi_recovery *recovery, const char *folder);
+
 /* Writes FOLDER/report.html, one self-contained page, from what is in the folder: materials.json,
- * manifest.json, the maps and comparison/. */
-IGI_API IGI_MUST_USE igi_status igi_report(igi_context *context, const char *folder);
+ * manifest.json, evidence.json, the maps and comparison/. With a truth folder (NULL: none) every
+ * material stands beside its truth. */
+IGI_API IGI_MUST_USE igi_status igi_report(igi_context *context, const char *folder,
+                                           const char *truth_folder);
 
 #ifdef __cplusplus
 }

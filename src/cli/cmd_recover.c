@@ -65,7 +65,8 @@ static igi_status write_results(cli_session *s, const igi_scene *scene,
         status = igi_materials_save_glb(context, recovery->materials, scene, path);
     if (status == IGI_OK) status = igi_comparisons_save(context, recovery, folder);
     if (status == IGI_OK) status = save_manifest(s, scene, folder);
-    if (status == IGI_OK) status = igi_report(context, folder);
+    if (status == IGI_OK) status = igi_evidence_save(context, recovery, folder);
+    if (status == IGI_OK) status = igi_report(context, folder, NULL);
     return status;
 }
 

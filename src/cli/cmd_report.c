@@ -15,7 +15,7 @@ static igi_status run(cli_session *s)
         status = igi_basis_save(s->context, folder, s->values.cameras, &options);
     }
     cli_progress_report(s, "writing the page", 0);
-    if (status == IGI_OK) status = igi_report(s->context, folder);
+    if (status == IGI_OK) status = igi_report(s->context, folder, s->values.truth);
     cli_progress_clear(&s->progress);
     if (status != IGI_OK) return status;
     if (s->values.json) {
@@ -34,7 +34,7 @@ const cli_command cli_report = {
     .name = "report",
     .bit = CLI_REPORT,
     .arguments = 1,
-    .usage = "report OUT",
+    .usage = "report OUT [--truth SCENE/truth]",
     .summary = "one page to look at: OUT/report.html",
     .example = "igi report my-room.out",
     .details =

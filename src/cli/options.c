@@ -68,7 +68,7 @@ static const option options[] = {
      "first move all cameras as one (turn, shift and scale); --points does so anyway"},
     {"search", 0, REAL, CLI_REGISTER, AT(search), "PIXELS", "4", 2, 10,
      "how far the photographs' edges may lie off the mesh's at the start"},
-    {"truth", 0, TEXT, CLI_VALIDATE, AT(truth), "FOLDER", NULL, 0, 0,
+    {"truth", 0, TEXT, CLI_VALIDATE | CLI_REPORT, AT(truth), "FOLDER", NULL, 0, 0,
      "the scene's truth folder, with truth.json"},
     {"tolerance", 0, REAL, CLI_VALIDATE, AT(tolerance), "E", "0", 0, MANY,
      "exit with 1 when the mean albedo error is above it; a fraction, 0: never"},

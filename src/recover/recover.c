@@ -243,6 +243,9 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     if (specular) problem->lobes = &view;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, specular, &r->materials));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &r->evidence));
+    if (specular && specular->evidence)
+        memcpy(r->evidence, specular->evidence, scene->region_count * sizeof *r->evidence);
     IGI_TRY_GOTO(draw(ctx, problem, diffuse, specular ? specular->irradiance : NULL, r));
     *recovery = r;
     r = NULL;
@@ -262,6 +265,7 @@ void igi_recovery_destroy(igi_recovery *recovery)
 {
     if (!recovery) return;
     igi_materials_destroy(recovery->materials);
+    igi_free(recovery->evidence);
     for (size_t i = 0; i < recovery->comparison_count; i++) {
         igi_free(recovery->comparisons[i].frame);
         igi_image_destroy(recovery->comparisons[i].photo);

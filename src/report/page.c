@@ -172,6 +172,8 @@ static igi_status print_page(const igi_page *page)
 {
     print_head(page);
     igi_page_table(page);
+    IGI_TRY(igi_page_spheres(page));
+    igi_page_evidence(page);
     igi_page_lights(page);
     IGI_TRY(igi_page_maps(page));
     IGI_TRY(igi_page_views(page));
@@ -222,16 +224,22 @@ cleanup:
     return status;
 }
 
-igi_status igi_report(igi_context *ctx, const char *folder)
+igi_status igi_report(igi_context *ctx, const char *folder, const char *truth_folder)
 {
     igi_status status = IGI_OK;
-    igi_materials *materials = NULL;
+    igi_materials *materials = NULL, *truth = NULL;
     char *path = NULL;
     igi_page page = {.ctx = ctx, .folder = folder};
     igi_srgb_make(&page.srgb);
     IGI_TRY_GOTO(igi_materials_load(ctx, folder, &materials));
     page.materials = materials;
+    if (truth_folder) IGI_TRY_GOTO(igi_materials_load(ctx, truth_folder, &truth));
+    if (truth && truth->bands != materials->bands)
+        IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "%s: has %d bands, the result %d", truth_folder,
+                              truth->bands, materials->bands));
+    page.truth = truth;
     IGI_TRY_GOTO(read_json(&page, "manifest.json", &page.manifest));
+    IGI_TRY_GOTO(read_json(&page, "evidence.json", &page.evidence));
     IGI_TRY_GOTO(read_json(&page, "comparison/index.json", &page.comparisons));
     IGI_TRY_GOTO(read_json(&page, "relight/index.json", &page.relight));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/report.html", folder));
@@ -240,7 +248,9 @@ cleanup:
     json_decref(page.manifest);
     json_decref(page.comparisons);
     json_decref(page.relight);
+    json_decref(page.evidence);
     igi_materials_destroy(materials);
+    igi_materials_destroy(truth);
     igi_free(path);
     return status;
 }

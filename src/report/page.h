@@ -17,9 +17,11 @@ typedef struct igi_page {
     const char *folder; /* of the result */
     FILE *file;
     const igi_materials *materials;
-    json_t *manifest;    /* NULL when there is none */
-    json_t *comparisons; /* index.json; NULL likewise */
-    json_t *relight;     /* relight/index.json; NULL likewise */
+    const igi_materials *truth; /* or NULL */
+    json_t *evidence;           /* evidence.json; NULL when there is none */
+    json_t *manifest;           /* NULL when there is none */
+    json_t *comparisons;        /* index.json; NULL likewise */
+    json_t *relight;            /* relight/index.json; NULL likewise */
     igi_srgb srgb;
 } igi_page;
 
@@ -44,6 +46,8 @@ void igi_page_table(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_views(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_relight(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_spheres(const igi_page *page);
+void igi_page_evidence(const igi_page *page);
 void igi_page_lights(const igi_page *page);
 void igi_page_costs(const igi_page *page);
 void igi_page_provenance(const igi_page *page);

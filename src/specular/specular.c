@@ -168,6 +168,23 @@ static igi_status choose_highlights(igi_context *ctx, const stage *s, size_t reg
                                  &source, h);
 }
 
+static void record(const stage *s, size_t region, const char *look, const igi_lobe_estimate *e)
+{
+    igi_region_evidence *evidence = &s->specular->evidence[region];
+    if (evidence->count == IGI_EVIDENCE_ROOM) return;
+    evidence->tried[evidence->count++] = (igi_model_evidence){
+        .model = e->model,
+        .look = look,
+        .gain = e->residuals > 0 ? e->plain_deviance - e->deviance : (double)NAN,
+        .residuals = e->residuals,
+        .noise = e->noise,
+        .plain_noise = e->plain_noise,
+        .specular = e->specular,
+        .specular_std = e->specular_std,
+        .alpha = e->alpha,
+        .at_bound = e->at_bound};
+}
+
 /* A first look with few pixels: is there a lobe at all? */
 static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t region,
                                    igi_highlight_options options, igi_model model)
@@ -175,6 +192,9 @@ static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t regi
     igi_highlights *h = NULL;
     IGI_TRY(choose_highlights(ctx, s, region, options, &h));
     igi_status status = igi_lobe_glance(ctx, h, model, &s->specular->estimates[region]);
+    igi_lobe_estimate seen = s->specular->estimates[region];
+    seen.at_bound = false; /* a glance does not look for that */
+    if (status == IGI_OK) record(s, region, "glance", &seen);
     igi_highlights_destroy(h);
     return status;
 }
@@ -194,6 +214,7 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
         if (before == IGI_WARD && models[i] == IGI_PHONG) start = 2 * near_alpha;
         IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], start, &found));
+        record(s, region, before == IGI_LAMBERT ? "search" : "refine", &found);
         if (i == 0 || is_better(&found, best)) *best = found;
     }
 cleanup:
@@ -437,6 +458,7 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &s));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->estimates));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->doubts));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->evidence));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->lobes));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.seen));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.surfaces));
@@ -464,6 +486,7 @@ void igi_specular_destroy(igi_specular *specular)
     igi_field_destroy(specular->irradiance);
     igi_free(specular->estimates);
     igi_free(specular->doubts);
+    igi_free(specular->evidence);
     igi_free(specular->lobes);
     igi_free(specular->correction.seen);
     igi_free(specular->correction.surfaces);

@@ -13,11 +13,12 @@
 #include "specular/lobe_view.h"
 
 typedef struct igi_specular {
-    igi_lobe_estimate *estimates; /* [regions]; model IGI_LAMBERT: no lobe */
-    igi_lobe_doubt *doubts;       /* [regions] of those without a lobe */
-    igi_lobe *lobes;              /* [regions] the same for rendering */
-    igi_correction correction;    /* what was taken out of the diffuse half */
-    igi_field *irradiance;        /* where no lobe was found: the irradiance, which maps can use */
+    igi_lobe_estimate *estimates;  /* [regions]; model IGI_LAMBERT: no lobe */
+    igi_lobe_doubt *doubts;        /* [regions] of those without a lobe */
+    igi_region_evidence *evidence; /* [regions] what was tried; NULL: it is not kept */
+    igi_lobe *lobes;               /* [regions] the same for rendering */
+    igi_correction correction;     /* what was taken out of the diffuse half */
+    igi_field *irradiance;         /* where no lobe was found: the irradiance, which maps can use */
 } igi_specular;
 
 /* Fits lobes to what the patches method has found, takes their light out of the diffuse solution

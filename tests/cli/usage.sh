@@ -34,7 +34,7 @@ expect 2 'there is no such command' "$igi" help frobnicate
 expect 2 'did you mean --json' "$igi" recover --jsn x
 expect 2 'did you mean --threads' "$igi" recover --thread=2 x
 expect 2 'there is no such option' "$igi" recover -x
-expect 2 'there is no such option' "$igi" report --truth a b
+expect 2 'there is no such option' "$igi" report --method a b
 expect 2 'its value is missing: N' "$igi" recover x --threads
 expect 2 'takes no value' "$igi" recover x --json=yes
 expect 2 "--threads 'two'.*must be a number" "$igi" recover x --threads two

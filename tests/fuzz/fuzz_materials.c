@@ -15,7 +15,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     *strrchr(folder, '/') = 0;
     igi_status status = igi_materials_load(ctx, folder, &materials);
     if (status != IGI_E_SYSTEM) fuzz_judge(ctx, status, materials);
-    if (materials && igi_report(ctx, folder) != IGI_OK) abort();
+    if (materials && igi_report(ctx, folder, NULL) != IGI_OK) abort();
     igi_materials_destroy(materials);
     igi_context_destroy(ctx);
     return 0;

@@ -7,6 +7,7 @@
 
 #include "report/colour.h"
 #include "report/resample.h"
+#include "report/sphere.h"
 
 #include <sys/stat.h>
 
@@ -108,6 +109,50 @@ static void colours(void)
     CHECK(igi_band_of(2, 3) == 2 && igi_band_of(2, 1) == 0 && igi_band_of(2, 7) == 2);
 }
 
+/* Mean over the ball of its first band, and its largest value. */
+static void measure(igi_context *ctx, const igi_material *m, double *mean, double *largest)
+{
+    igi_image *ball = NULL;
+    double sum = 0, cover = 0;
+    *largest = 0;
+    CHECK_OK(ctx, igi_sphere_draw(ctx, m, 2, 64, &ball));
+    if (!ball) abort();
+    for (int i = 0; i < 64 * 64; i++) {
+        const float *p = ball->samples + 3 * i;
+        sum += (double)(p[0] * p[2]);
+        cover += (double)p[2];
+        if (p[2] >= 1) *largest = fmax(*largest, (double)p[0]);
+    }
+    CHECK_NEAR(cover, 3.14159 * 31.5 * 31.5, 20);
+    *mean = sum / cover;
+    igi_image_destroy(ball);
+}
+
+static void balls(void)
+{
+    igi_context *ctx = test_context(1);
+    igi_material white = {.model = IGI_LAMBERT, .albedo = {1, .5}}, grey = white, glossy = {0};
+    double mean[3], largest[3];
+    measure(ctx, &white, &mean[0], &largest[0]);
+    CHECK_NEAR(largest[0], 1, .02); /* by definition */
+    grey.albedo[0] = .25;
+    measure(ctx, &grey, &mean[1], &largest[1]);
+    CHECK_NEAR(mean[1], .25 * mean[0], 1e-4);
+    /* both ways of summing a lobe agree where they meet, and it sends on about its coefficient */
+    glossy.model = IGI_WARD;
+    glossy.specular = .2;
+    glossy.alpha = .1199;
+    measure(ctx, &glossy, &mean[1], &largest[1]);
+    glossy.alpha = .1201;
+    measure(ctx, &glossy, &mean[2], &largest[2]);
+    CHECK_NEAR(mean[1] / mean[2], 1, .05);
+    CHECK(mean[2] > .1 * mean[0] && mean[2] < .3 * mean[0]);
+    glossy.alpha = .3;
+    measure(ctx, &glossy, &mean[2], &largest[2]);
+    CHECK(largest[2] < .4 * largest[1]); /* broader is dimmer */
+    igi_context_destroy(ctx);
+}
+
 /* Region names and warnings that would break a careless page; maps with and without texels seen;
  * photographs with lamps, black pixels and NaN. */
 static igi_recovery *awkward(igi_context *ctx)
@@ -137,6 +182,21 @@ static igi_recovery *awkward(igi_context *ctx)
         m->materials[i].map_std = ramp(ctx, 300 - 299 * i, 40, 3);
     }
     m->materials[0].map_std->samples[7] = (float)NAN;
+    r->evidence = igi_calloc(ctx, 4, sizeof *r->evidence);
+    r->evidence[0] = (igi_region_evidence){
+        1,
+        {{.model = IGI_WARD, .look = "glance", .gain = 3, .residuals = 100, .plain_noise = .05}}};
+    r->evidence[1] = (igi_region_evidence){
+        2,
+        {{.model = IGI_WARD, .look = "search", .gain = (double)NAN, .residuals = 0},
+         {.model = IGI_WARD,
+          .look = "refine",
+          .gain = 300,
+          .residuals = 100,
+          .noise = .05,
+          .plain_noise = .2,
+          .specular = .1,
+          .specular_std = .01}}};
     m->warnings = igi_calloc(ctx, 1, sizeof(char *));
     m->warning_count = 1;
     CHECK_OK(ctx, igi_strdup(ctx, "1 < 2 & <script>throw 1</script>", &m->warnings[0]));
@@ -167,7 +227,8 @@ static void a_page_of_awkward_content(void)
     CHECK_OK(ctx, igi_materials_save(ctx, r->materials, NULL, FOLDER));
     CHECK_OK(ctx, igi_comparisons_save(ctx, r, FOLDER));
     CHECK_OK(ctx, igi_manifest_save(ctx, &manifest, FOLDER));
-    CHECK_OK(ctx, igi_report(ctx, FOLDER));
+    CHECK_OK(ctx, igi_evidence_save(ctx, r, FOLDER));
+    CHECK_OK(ctx, igi_report(ctx, FOLDER, FOLDER)); /* its own truth */
     FILE *page = fopen(FOLDER "/report.html", "r");
     CHECK(page != NULL);
     static char text[1 << 20];
@@ -177,11 +238,15 @@ static void a_page_of_awkward_content(void)
     CHECK_CONTAINS(text, "&lt;script&gt;throw 1&lt;/script&gt;");
     CHECK_CONTAINS(text, "w\xc3\xa4nd");
     CHECK_CONTAINS(text, "not seen");
+    CHECK_CONTAINS(text, "gives no hint of a lobe");
+    CHECK_CONTAINS(text, "ward&nbsp;+3.000");
+    CHECK_CONTAINS(text, "fall from 20.00 to 5.00&nbsp;%");
+    CHECK_CONTAINS(text, "truth: lambert, &rho;&nbsp;");
     CHECK(strstr(text, "<b>x") == NULL && strstr(text, "http") == NULL);
-    CHECK(igi_report(ctx, "/nonexistent") == IGI_E_DATA);
+    CHECK(igi_report(ctx, "/nonexistent", NULL) == IGI_E_DATA);
     igi_recovery_destroy(r);
     igi_context_destroy(ctx);
 }
 
 TEST_MAIN({"errors_by_hand", errors_by_hand}, {"resampling", resampling}, {"colours", colours},
-          {"a_page_of_awkward_content", a_page_of_awkward_content})
+          {"balls", balls}, {"a_page_of_awkward_content", a_page_of_awkward_content})

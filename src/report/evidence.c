@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * evidence.json: what was tried on each region and what it was given.
+ */
+#include "base/context.h"
+
+#include <igi/report.h>
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+static json_t *number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
+
+static json_t *tried_json(const igi_model_evidence *e)
+{
+    json_t *o = json_object();
+    int bad = json_object_set_new(o, "look", json_string(e->look));
+    bad |= json_object_set_new(o, "model", json_string(igi_model_name(e->model)));
+    bad |= json_object_set_new(o, "gain", number(e->gain));
+    bad |= json_object_set_new(o, "residuals", number(e->residuals));
+    bad |= json_object_set_new(o, "noise", number(e->noise));
+    bad |= json_object_set_new(o, "plain_noise", number(e->plain_noise));
+    bad |= json_object_set_new(o, "specular", number(e->specular));
+    bad |= json_object_set_new(o, "specular_std", number(e->specular_std));
+    bad |= json_object_set_new(o, "alpha", number(e->alpha));
+    bad |= json_object_set_new(o, "at_bound", json_boolean(e->at_bound));
+    if (!bad) return o;
+    json_decref(o);
+    return NULL;
+}
+
+/* The numbers that a region was given: an albedo of each band, or of each texel, and a lobe's two. */
+static json_t *region_json(const igi_material *m, const igi_region_evidence *e, int bands)
+{
+    json_t *o = json_object(), *tried = json_array();
+    size_t texels = m->textured && m->map ? (size_t)m->map->width * (size_t)m->map->height : 0;
+    int bad = json_object_set_new(o, "model", json_string(igi_model_name(m->model)));
+    bad |= json_object_set_new(o, "parameters",
+                               json_integer(bands + (m->model == IGI_LAMBERT ? 0 : 2)));
+    bad |= json_object_set_new(o, "texels", json_integer((json_int_t)texels));
+    for (size_t i = 0; i < e->count; i++)
+        bad |= json_array_append_new(tried, tried_json(&e->tried[i]));
+    bad |= json_object_set_new(o, "tried", tried);
+    if (!bad) return o;
+    json_decref(o);
+    return NULL;
+}
+
+igi_status igi_evidence_save(igi_context *ctx, const igi_recovery *recovery, const char *folder)
+{
+    igi_status status = IGI_OK;
+    const igi_materials *m = recovery->materials;
+    json_t *root = json_object(), *regions = json_object();
+    char *path = NULL;
+    int bad = json_object_set_new(root, "igi", json_integer(1));
+    for (size_t i = 0; i < m->count; i++)
+        if (!m->materials[i].emitter)
+            bad |= json_object_set_new(
+                regions, m->materials[i].region,
+                region_json(&m->materials[i], &recovery->evidence[i], m->bands));
+    bad |= json_object_set_new(root, "regions", regions);
+    if (bad) IGI_TRY_GOTO(igi_fail(ctx, IGI_E_SYSTEM, "evidence.json: no memory, or no UTF-8"));
+    IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/evidence.json", folder));
+    if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)))
+        IGI_TRY_GOTO(
+            igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno)));
+cleanup:
+    json_decref(root);
+    igi_free(path);
+    return status;
+}

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Why each region was given the model it has.
+ */
+#include "report/page.h"
+
+#include <igi/report.h>
+
+#include <math.h>
+#include <string.h>
+
+static double number(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+static const char *text(const json_t *object, const char *key)
+{
+    const char *value = json_string_value(json_object_get(object, key));
+    return value ? value : "";
+}
+
+/* The last try of each look is what the next one started from; the best of the last look decided. */
+static const json_t *deciding(const json_t *tried, const char *model)
+{
+    const json_t *best = NULL;
+    for (size_t i = 0; i < json_array_size(tried); i++) {
+        const json_t *t = json_array_get(tried, i);
+        bool is_chosen = strcmp(text(t, "model"), model) == 0;
+        if (!best || is_chosen || strcmp(model, "lambert") == 0) best = t;
+    }
+    return best;
+}
+
+static void print_tries(const igi_page *page, const json_t *tried)
+{
+    FILE *f = page->file;
+    const char *look = "";
+    for (size_t i = 0; i < json_array_size(tried); i++) {
+        const json_t *t = json_array_get(tried, i);
+        double share = number(t, "gain") / number(t, "residuals");
+        if (strcmp(look, text(t, "look")) != 0) {
+            look = text(t, "look");
+            fputs(i ? "<br><span class=\"soft\">" : "<span class=\"soft\">", f);
+            igi_page_text(page, look);
+            fputs(":</span> ", f);
+        } else {
+            fputs(", ", f);
+        }
+        igi_page_text(page, text(t, "model"));
+        if (isfinite(share)) fprintf(f, "&nbsp;%+.3f", share);
+        else fputs("&nbsp;&ndash;", f);
+    }
+    if (json_array_size(tried) == 0) fputs("nothing", f);
+}
+
+/* In words: what speaks for, or against, the lobe that decided. */
+static void print_reason(const igi_page *page, const json_t *t, const char *model)
+{
+    FILE *f = page->file;
+    double sigmas = t ? number(t, "specular") / number(t, "specular_std") : (double)NAN;
+    bool plain = strcmp(model, "lambert") == 0;
+    if (!t) {
+        fputs("no lobe was looked for", f);
+        return;
+    }
+    double before = number(t, "plain_noise"), after = number(t, "noise");
+    if (!plain) {
+        fprintf(f,
+                "the lobe explains its highlights: residuals fall from %.2f to %.2f&nbsp;%% of the "
+                "light",
+                100 * before, 100 * after);
+        if (isfinite(sigmas)) fprintf(f, "; &rho;<sub>s</sub> is %.0f&thinsp;&sigma;", sigmas);
+        return;
+    }
+    if (!isfinite(number(t, "gain"))) fputs("too few usable pixels to judge by", f);
+    else if (strcmp(text(t, "look"), "glance") == 0)
+        fprintf(f, "a first look gives no hint of a lobe: without one, residuals are %.2f&nbsp;%%",
+                100 * before);
+    else if (json_is_true(json_object_get(t, "at_bound")))
+        fprintf(f, "the best lobe (&alpha;&nbsp;%.2f) runs into the end of what is looked for",
+                number(t, "alpha"));
+    else
+        fprintf(f,
+                "the best lobe (&rho;<sub>s</sub>&nbsp;%.3f, &alpha;&nbsp;%.2f) explains no more "
+                "than errors of the irradiance could: residuals %.2f against %.2f&nbsp;%%",
+                number(t, "specular"), number(t, "alpha"), 100 * after, 100 * before);
+}
+
+static void print_row(const igi_page *page, const char *name, const json_t *region)
+{
+    FILE *f = page->file;
+    const json_t *tried = json_object_get(region, "tried");
+    double texels = number(region, "texels");
+    fputs("<tr><td class=\"l\">", f);
+    igi_page_text(page, name);
+    fputs("</td><td class=\"l\">", f);
+    igi_page_text(page, text(region, "model"));
+    fputs("</td><td class=\"l wide\">", f);
+    print_tries(page, tried);
+    fputs("</td><td class=\"l wide\">", f);
+    print_reason(page, deciding(tried, text(region, "model")), text(region, "model"));
+    fprintf(f, "</td><td>%.0f</td><td>", number(region, "parameters"));
+    if (texels > 0) fprintf(f, "%.0f", texels);
+    else fputs("&ndash;", f);
+    fputs("</td></tr>\n", f);
+}
+
+void igi_page_evidence(const igi_page *page)
+{
+    FILE *f = page->file;
+    json_t *regions = json_object_get(page->evidence, "regions");
+    if (json_object_size(regions) == 0) return;
+    fputs(
+        "<section><h2>Evidence</h2><p class=\"soft\">A lobe is given only where the photographs "
+        "ask for it. Tried: what a model gains over no lobe, as &minus;2&thinsp;ln likelihood for "
+        "each residual, with more pixels in each look. Parameters are the region's numbers apart "
+        "from its texels.</p><div class=\"card scroll\"><table><thead><tr><th class=\"l\">region"
+        "</th><th class=\"l\">given</th><th class=\"l\">tried</th><th class=\"l\">why</th>"
+        "<th>parameters</th><th>texels</th></tr></thead><tbody>\n",
+        f);
+    for (void *it = json_object_iter(regions); it; it = json_object_iter_next(regions, it))
+        print_row(page, json_object_iter_key(it), json_object_iter_value(it));
+    fputs("</tbody></table></div></section>\n", f);
+}
