@@ -33,6 +33,10 @@ typedef struct igi_relight_options {
     size_t struct_size;
     igi_render_options render;
     const char *lights;  /* a file of the lights that are on; NULL: the scene's own */
+    const char *insert;  /* a mesh to be put into the scene, an OBJ with its MTL; may be NULL */
+    const char *edits;   /* a file { "regions": { .. } } with what is changed of materials.json's
+                          * "model", "albedo", "albedo_map", "specular", "specular_rgb", "alpha", in
+                          * any region; may be NULL */
     double target_error; /* passes of render.samples go on until the mean standard deviation of a
                           * pixel is this share of the mean pixel; 0: one pass (default) */
     bool variance;       /* also NAME.variance.exr, the variance of each pixel's mean */

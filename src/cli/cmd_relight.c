@@ -10,7 +10,11 @@ static igi_status save_manifest(cli_session *s, const char *folder, double noise
 {
     char command[4096], text[24][32];
     igi_setting settings[24];
-    const char *inputs[2] = {s->values.cameras, s->values.lights};
+    const char *given[] = {s->values.cameras, s->values.lights, s->values.insert, s->values.edits};
+    const char *inputs[4];
+    size_t input_count = 0;
+    for (size_t i = 0; i < 4; i++)
+        if (given[i]) inputs[input_count++] = given[i];
     cli_command_line(s, command, sizeof command);
     size_t count = cli_settings(s, settings, text, 23);
     snprintf(text[count], sizeof text[count], "%.4g", noise);
@@ -18,7 +22,7 @@ static igi_status save_manifest(cli_session *s, const char *folder, double noise
     igi_manifest manifest = {.command = command,
                              .setting_count = count + 1,
                              .settings = settings,
-                             .input_count = s->values.lights ? 2 : 1,
+                             .input_count = input_count,
                              .inputs = inputs};
     return igi_manifest_save(s->context, &manifest, folder);
 }
@@ -39,6 +43,8 @@ static igi_status run(cli_session *s)
     if (values->samples > 0) options.render.samples = (int)values->samples;
     options.preview = values->preview;
     options.lights = values->lights;
+    options.insert = values->insert;
+    options.edits = values->edits;
     options.target_error = values->target_error;
     options.variance = values->variance;
     options.layers = values->aov;

@@ -19,4 +19,13 @@ IGI_MUST_USE igi_status igi_result_load(igi_context *ctx, const char *folder, ig
  * truth; else *path is NULL. */
 IGI_MUST_USE igi_status igi_result_cameras(igi_context *ctx, const char *folder, char **path);
 
+/* Adds the mesh of a file, in the scene's coordinates, to both; what its regions are made of stands in
+ * the MTL of an OBJ (insert.c), else they are grey. */
+IGI_MUST_USE igi_status igi_result_insert(igi_context *ctx, igi_scene *scene,
+                                          igi_materials *materials, const char *path);
+/* Changes materials as a file says: { "regions": { NAME: .. } } with any of materials.json's keys
+ * "model", "albedo", "albedo_map", "specular", "specular_rgb" and "alpha". */
+IGI_MUST_USE igi_status igi_materials_edit(igi_context *ctx, igi_materials *materials,
+                                           const char *path);
+
 #endif

@@ -103,6 +103,8 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
         return igi_fail(ctx, IGI_E_USAGE, "relight: options were not initialized");
     igi_stage_begin(ctx, "scene");
     IGI_TRY_GOTO(igi_result_load(ctx, folder, &scene, &materials));
+    if (options->insert) IGI_TRY_GOTO(igi_result_insert(ctx, scene, materials, options->insert));
+    if (options->edits) IGI_TRY_GOTO(igi_materials_edit(ctx, materials, options->edits));
     if (options->lights)
         IGI_TRY_GOTO(igi_lights_load(ctx, scene, options->lights, &lights, &light_count));
     IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &count));

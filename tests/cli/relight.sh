@@ -1,0 +1,62 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Relighting: what is written, a scene that is changed, and mistakes in the changes.
+# shellcheck source=tests/check.sh
+. "$(dirname "$0")/../check.sh"
+
+expect 0 "" "$igi" synth -q "$tests/cli/mini.json" -o room
+
+# render NAME OPTIONS...: the picture's mean sRGB levels, red green blue, on one line in `levels`.
+render() {
+    name=$1
+    shift
+    expect 0 "" "$igi" relight -q room/truth --cameras room/transforms.json --samples 16 -o "$name" "$@"
+    "$build/pixels" "$name/0002.exr" 1 16 | awk '{ s[NR % 3] += $1 } END {
+        printf "%.1f %.1f %.1f", s[1] / NR * 3, s[2] / NR * 3, s[0] / NR * 3 }' >levels
+}
+# holds EXPRESSION: of awk, in a0 a1 a2, the levels of `plain`, and b0 b1 b2, those of now.
+holds() {
+    echo "$plain $(cat levels)" | awk "{ exit !($1) }" || fail "$1: $plain, then $(cat levels)"
+}
+
+render plain --aov --png --variance
+for file in 0002.exr 0002.layers.exr 0002.png 0002.variance.exr manifest.json; do
+    [ -s plain/$file ] || fail "$file is missing"
+done
+grep -q '"noise reached": "0\.[0-9]' plain/manifest.json || fail "no noise in the manifest"
+plain=$(cat levels)
+holds '$1 == $4 && $1 > 20'
+render preview --preview
+holds '$4 > $1 - 3 && $4 < $1 + 3'
+
+echo '{ "regions": { "walls": { "albedo": [0.7, 0.1, 0.1] } } }' >edits.json
+render edited --materials edits.json
+holds '$4 > $1 * .7 && $5 < $2 * .8'
+echo '{ "regions": { "walls": { "model": "ggx", "specular": 0.04, "alpha": 0.2 } } }' >edits.json
+render glossy --materials edits.json
+holds '$4 != $1'
+echo '{ "regions": { "wals": { } } }' >edits.json
+expect 3 "no region 'wals'" "$igi" relight room/truth --cameras room/transforms.json --materials edits.json -o bad
+echo '{ "regions": { "walls": { "albedo": [2, 0, 0] } } }' >edits.json
+expect 3 'numbers from 0 to 1' "$igi" relight room/truth --cameras room/transforms.json --materials edits.json -o bad
+echo '{ "regions": { "walls": { "colour": 1 } } }' >edits.json
+expect 3 '"colour" must be left out' "$igi" relight room/truth --cameras room/transforms.json --materials edits.json -o bad
+echo '{ "regions": { "walls": { "specular": 0.1 } } }' >edits.json
+expect 3 'which has no lobe' "$igi" relight room/truth --cameras room/transforms.json --materials edits.json -o bad
+[ ! -e bad ] || fail "a failure left a folder"
+
+# A green screen across the room.
+printf 'mtllib s.mtl\nv 0.1 0.1 0.2\nv 2.9 0.1 0.2\nv 2.9 2.9 0.2\nv 0.1 2.9 0.2\nusemtl screen\nf 1 2 3 4\n' >s.obj
+printf 'newmtl other\nKd 1 0 0\nnewmtl screen\nKd 0.05 0.8 0.05\nKs 0.1 0.1 0.1\nPr 0.5\n' >s.mtl
+render screened --insert s.obj
+holds '$4 < $1 * .97 && $5 > $2 * 1.05'
+sed 's/screen/walls/' s.obj >clash.obj
+expect 3 "'walls' is a region of the scene already" \
+    "$igi" relight room/truth --cameras room/transforms.json --insert clash.obj -o bad
+sed '/mtllib/d' s.obj >grey.obj
+expect 0 'names no mtllib' "$igi" relight room/truth --cameras room/transforms.json --insert grey.obj \
+    --samples 1 -o grey
+rm s.mtl
+expect 3 's\.mtl' "$igi" relight room/truth --cameras room/transforms.json --insert s.obj -o bad
+finish
