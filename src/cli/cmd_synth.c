@@ -26,11 +26,16 @@ static igi_status run(cli_session *s)
         fprintf(stderr, "igi: synth: where to? give a folder with -o\n");
         return IGI_E_USAGE;
     }
+    if (s->values.basis && !s->values.photos) {
+        fprintf(stderr, "igi: synth: --basis is of the camera's response, so of --photos\n");
+        return IGI_E_USAGE;
+    }
     cli_progress_report(s, "reading the spec", 0);
     igi_status status = igi_output_begin(s->context, folder, s->values.force, spec, &output);
     if (status == IGI_OK)
-        status = (s->values.photos ? igi_synth_photos : igi_synth)(s->context, spec,
-                                                                   igi_output_folder(output));
+        status = s->values.photos ? igi_synth_photos(s->context, spec, igi_output_folder(output),
+                                                     s->values.basis)
+                                  : igi_synth(s->context, spec, igi_output_folder(output));
     if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output));
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     igi_output_destroy(output);

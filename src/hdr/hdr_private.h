@@ -44,14 +44,9 @@ IGI_MUST_USE igi_status igi_hdr_recover_response(igi_context *ctx, igi_bracket *
  * of the space of known responses (Grossberg and Nayar).
  *response keeps its ranges of
  * known codes, which igi_hdr_recover_response found. */
-#define IGI_HDR_TABLE 1024
 IGI_MUST_USE igi_status igi_hdr_fit_basis(igi_context *ctx, const igi_bracket *bracket,
                                           const double (*table)[IGI_HDR_TABLE],
                                           igi_response *response);
-/* The EMoR model's table of inverse responses, the caller's. */
-IGI_MUST_USE igi_status igi_hdr_load_basis(igi_context *ctx, const char *path,
-                                           double (**table)[IGI_HDR_TABLE]);
-
 /* Exposure of b / exposure of a, natural logarithm, by a known response. NaN when too few pixels
  * are well exposed in both. `expected`: the stated one. */
 IGI_MUST_USE igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo *a,

@@ -12,8 +12,8 @@
  * The space of known responses (Grossberg and Nayar, "What is the space of camera response
  * functions?", 2003): the mean of two hundred films' and cameras' inverse responses and their first
  * components, read from their table. Fitted to pairs directly these few curves run along what a
- * bracket leaves open (any ripple whose period is the exposures' ratio), so the polynomial is
- * brought to the nearest curve of that space instead, by relative distance where its codes are
+ * bracket leaves open (any ripple whose period is the exposures' ratio), so the curve that was
+ * found without a model is brought to the nearest curve of that space instead, by relative distance where its codes are
  * known, each component held to about the size it has among real cameras. Outside of the known
  * codes the space then says what cameras do there.
  */
@@ -31,10 +31,10 @@
 /* Powers above the first. */
 #define MOST_FUNCTIONS 7
 /* Components of the table beyond these are of single films; their usual sizes. */
-#define COMPONENTS 5
-static const double usual[COMPONENTS] = {5, 1.5, .6, .3, .15};
-/* Relative error of the polynomial, as far as one in ten bins is independent. */
-#define PROJECTED .03
+#define COMPONENTS IGI_HDR_COMPONENTS
+static const double usual[COMPONENTS] = {5, 1.5, .6, .3};
+/* Relative error of the curve found before, as if each bin were independent. */
+#define PROJECTED .1
 /* A pair's weight halves when it shows a ratio this far (natural logarithm) from the stated one. */
 #define TRUST_WIDTH .1
 /* More powers must take away this share of the misfit. */
@@ -223,7 +223,7 @@ igi_status igi_hdr_fit_basis(igi_context *ctx, const igi_bracket *bracket,
     tabulate(b, bracket->levels);
     for (int c = 0; good && c < bracket->channels; c++) {
         find_slopes(b, response, c);
-        good = fit_polynomial(b, bracket, c, response) && (!table || project(table, c, response));
+        good = table ? project(table, c, response) : fit_polynomial(b, bracket, c, response);
     }
     igi_free(b);
     if (good) return IGI_OK;

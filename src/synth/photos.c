@@ -7,6 +7,7 @@
 
 #include "base/context.h"
 #include "base/rng.h"
+#include "hdr/hdr.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -40,8 +41,31 @@ static igi_status make_response(igi_context *ctx, int channels, igi_response **r
     return IGI_OK;
 }
 
+/* One of the space of known responses, a little different by colour. */
+static igi_status draw_response(igi_context *ctx, int channels, const char *basis,
+                                igi_response **response)
+{
+    double(*table)[IGI_HDR_TABLE];
+    IGI_TRY(igi_hdr_load_basis(ctx, basis, &table));
+    igi_status status = igi_response_create(ctx, channels, 65536, response);
+    for (int c = 0; status == IGI_OK && c < channels; c++) {
+        float *x = (*response)->exposure + c * 65536;
+        const double weights[3] = {1, .9 + .1 * c, .4};
+        for (int z = 0; z < 65536; z++) {
+            double at = z / 65535. * (IGI_HDR_TABLE - 1), value = 0;
+            size_t i = at < IGI_HDR_TABLE - 2 ? (size_t)at : IGI_HDR_TABLE - 2;
+            for (int k = 0; k < 3; k++)
+                value += weights[k] *
+                         (table[k][i] + (at - (double)i) * (table[k][i + 1] - table[k][i]));
+            x[z] = (float)(z > 0 ? fmax(value, (double)x[z - 1]) : 0);
+        }
+    }
+    igi_free(table);
+    return status;
+}
+
 static igi_status make_camera(igi_context *ctx, const igi_image *like, const igi_camera *lens,
-                              igi_calibration **camera)
+                              const char *basis, igi_calibration **camera)
 {
     IGI_TRY(igi_calibration_create(ctx, like->width, like->height, camera));
     igi_calibration *c = *camera;
@@ -53,7 +77,9 @@ static igi_status make_camera(igi_context *ctx, const igi_image *like, const igi
                                      .centre_y = .49 * like->height,
                                      .k = {-.35, .08, -.03}, /* 30 % at the corners */
                                      .f_number = F_NUMBER};
-    return make_response(ctx, like->channels < 3 ? 1 : 3, &c->response);
+    int channels = like->channels < 3 ? 1 : 3;
+    return basis ? draw_response(ctx, channels, basis, &c->response)
+                 : make_response(ctx, channels, &c->response);
 }
 
 /* The radiance that all but a thousandth of the pixels stay below. */
@@ -93,7 +119,8 @@ static igi_status save_photo(igi_context *ctx, const igi_image *picture,
 static igi_status save_brackets(igi_context *ctx, const char *folder, igi_image **pictures,
                                 size_t count, const igi_calibration *camera)
 {
-    double shortest = .9 / brightest(ctx, pictures, count);
+    /* Lamps well below the top, where a recovered response is at its worst. */
+    double shortest = .4 / brightest(ctx, pictures, count);
     for (size_t i = 0; i < count; i++)
         for (size_t e = 0; e < EXPOSURES; e++) {
             char *path = NULL;
@@ -162,11 +189,11 @@ cleanup:
 }
 
 igi_status photos_save(igi_context *ctx, const char *folder, const igi_camera *lens,
-                       igi_image **pictures, size_t count)
+                       const char *basis, igi_image **pictures, size_t count)
 {
     igi_status status = IGI_OK;
     igi_calibration *camera = NULL;
-    IGI_TRY_GOTO(make_camera(ctx, pictures[0], lens, &camera));
+    IGI_TRY_GOTO(make_camera(ctx, pictures[0], lens, basis, &camera));
     IGI_TRY_GOTO(save_brackets(ctx, folder, pictures, count, camera));
     IGI_TRY_GOTO(save_list(ctx, folder, count));
     IGI_TRY_GOTO(save_calibration(ctx, folder, camera, pictures[0]->channels));

@@ -11,8 +11,9 @@
 void photos_distort(igi_camera *camera);
 
 /* Writes a bracket NNNN_E.png for each picture, taken through photos_distort(lens); brackets.json,
- * which names them; flat_N.png, an evenly lit wall; lens.json, the distortion. */
+ * which names them; flat_N.png, an evenly lit wall; lens.json, the distortion. basis:
+ * the table of known responses to take the camera's from, or NULL. */
 IGI_MUST_USE igi_status photos_save(igi_context *ctx, const char *folder, const igi_camera *lens,
-                                    igi_image **pictures, size_t count);
+                                    const char *basis, igi_image **pictures, size_t count);
 
 #endif

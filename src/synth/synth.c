@@ -21,7 +21,8 @@
 typedef struct maker {
     igi_context *ctx;
     const char *folder;
-    bool photos; /* images/ as a camera would have delivered them */
+    const char *basis; /* of the camera's response, or NULL */
+    bool photos;       /* images/ as a camera would have delivered them */
     spec spec;
     igi_scene *scene;
     igi_tracer *tracer;
@@ -176,7 +177,7 @@ static igi_status save_photos(const maker *m, const igi_camera *camera, igi_imag
     char *path = NULL;
     igi_status status = make_folder(m, "photos");
     if (status == IGI_OK) status = path_in(m, "photos", &path);
-    if (status == IGI_OK) status = photos_save(m->ctx, path, camera, pictures, count);
+    if (status == IGI_OK) status = photos_save(m->ctx, path, camera, m->basis, pictures, count);
     igi_free(path);
     return status;
 }
@@ -300,10 +301,11 @@ cleanup:
     return status;
 }
 
-static igi_status synth(igi_context *ctx, const char *spec_path, const char *folder, bool photos)
+static igi_status synth(igi_context *ctx, const char *spec_path, const char *folder, bool photos,
+                        const char *basis)
 {
     igi_status status = IGI_OK;
-    maker m = {.ctx = ctx, .folder = folder, .photos = photos};
+    maker m = {.ctx = ctx, .folder = folder, .photos = photos, .basis = basis};
     IGI_TRY_GOTO(spec_load(ctx, spec_path, &m.spec));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &m.scene));
     IGI_TRY_GOTO(make_scene(&m));
@@ -318,10 +320,11 @@ cleanup:
 
 igi_status igi_synth(igi_context *ctx, const char *spec_path, const char *folder)
 {
-    return synth(ctx, spec_path, folder, false);
+    return synth(ctx, spec_path, folder, false, NULL);
 }
 
-igi_status igi_synth_photos(igi_context *ctx, const char *spec_path, const char *folder)
+igi_status igi_synth_photos(igi_context *ctx, const char *spec_path, const char *folder,
+                            const char *basis_path)
 {
-    return synth(ctx, spec_path, folder, true);
+    return synth(ctx, spec_path, folder, true, basis_path);
 }
