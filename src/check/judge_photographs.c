@@ -94,6 +94,12 @@ static igi_status judge_exposure(const igi_case *c)
                               100 * c->faults->gain_spread));
         return igi_case_remedy(c, a, NULL, "lock exposure and white balance");
     }
+    size_t lonely = 0;
+    if (2 * count_photos(c, is_unshared, &lonely) > c->check->photo_count) {
+        IGI_TRY(igi_case_find(c, a, IGI_DOUBTFUL, (double)NAN,
+                              "exposures cannot be compared: the photographs share too little"));
+        return igi_case_remedy(c, a, NULL, "add photographs that overlap");
+    }
     if (n == 0)
         return igi_case_find(c, a, IGI_HOLDS, c->faults->gain_spread,
                              "exposures agree within %.2f %%", 100 * c->faults->gain_spread);

@@ -4,6 +4,8 @@
  */
 #include "test.h"
 
+#include "base/context.h"
+
 #include <unistd.h>
 
 static const char spec[] =
@@ -151,6 +153,7 @@ static void one_photograph(void)
     scene->frame_count = 1;
     look();
     CHECK_VERDICT("static", IGI_DOUBTFUL); /* nobody can tell */
+    CHECK_VERDICT("exposure", IGI_DOUBTFUL);
     CHECK_VERDICT("observed", IGI_DOUBTFUL);
     CHECK_VERDICT("surroundings", IGI_DOUBTFUL);
     CHECK(found->unseen_area > .3 && of("surroundings")->has_view);
@@ -203,6 +206,24 @@ static void a_wrong_photograph(void)
     CHECK_CONTAINS(of("static")->remedy, "0005");
 }
 
+/* Every allocation may fail: then a sentence, and nothing half done. */
+static void no_memory(void)
+{
+    open_room();
+    igi_check *none = NULL;
+    int failures = 0;
+    igi_status status = IGI_E_SYSTEM;
+    for (long n = 0; status != IGI_OK && n < 100000; n += 1 + n / 4) {
+        igi_fail_allocation_after(ctx, n);
+        status = igi_check_scene(ctx, scene, &none);
+        failures += status != IGI_OK;
+        CHECK(status == IGI_OK || (status == IGI_E_SYSTEM && none == NULL));
+    }
+    igi_fail_allocation_after(ctx, -1);
+    CHECK(status == IGI_OK && failures > 10);
+    igi_check_destroy(none);
+}
+
 static void clean_up(void)
 {
     char command[100];
@@ -216,4 +237,4 @@ static void clean_up(void)
 
 TEST_MAIN({"a_good_scene", a_good_scene}, {"a_hole", a_hole}, {"faces", faces}, {"lights", lights},
           {"one_photograph", one_photograph}, {"saturation", saturation},
-          {"a_wrong_photograph", a_wrong_photograph}, {"", clean_up})
+          {"a_wrong_photograph", a_wrong_photograph}, {"no_memory", no_memory}, {"", clean_up})
