@@ -23,7 +23,7 @@
 /* Errors that no residual shows, by scripts/random_rooms. What a surface mirrors is known by patches
  * alone: a lobe that no lamp lights is known about so well, relatively. The rest is common to all
  * pixels of a region. */
-#define BLIND_SPECULAR 0.12
+#define BLIND_SPECULAR 0.2
 #define BLIND_ALPHA 0.7
 #define COMMON 0.004
 #define SHARP_SPECULAR 0.2 /* of what the sharpness leaves open of alpha */
