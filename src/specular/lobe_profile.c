@@ -140,6 +140,24 @@ static double median_of(float *x, size_t n)
     return (double)x[n / 2];
 }
 
+static double loss_of(double sigmas)
+{
+    return sigmas > OUTLIER_SIGMAS ? OUTLIER_SIGMAS * sigmas : sigmas * sigmas;
+}
+
+/* The scale of residuals that makes them likeliest, from the median's on. Two explanations compare
+ * fairly only at their own best: judged by its median, one that is good but for a tenth of the pixels
+ * (a mirror of things known coarsely) comes out behind one that is bad everywhere. */
+static double likeliest_scale(const float *residuals, size_t n, double scale)
+{
+    for (int round = 0; round < 6 && n > 0; round++) {
+        double sum = 0;
+        for (size_t k = 0; k < n; k++) sum += loss_of((double)residuals[k] / scale);
+        scale *= sqrt(fmin(16, fmax(1.0 / 16, sum / (double)n)));
+    }
+    return fmax(1e-4, scale);
+}
+
 double igi_profile_reweigh(igi_profile *profile, const igi_profile_column *column, double specular,
                            bool robust, double *noise)
 {
@@ -154,10 +172,11 @@ double igi_profile_reweigh(igi_profile *profile, const igi_profile_column *colum
     }
     memcpy(f->scratch + n, f->scratch, n * sizeof *f->scratch);
     *noise = fmax(1e-4, 1.4826 * median_of(f->scratch + n, n));
+    double scale = likeliest_scale(f->scratch, n, *noise);
     for (size_t k = 0; k < n; k++) {
         double sigmas = (double)f->scratch[k] / *noise, sigma = *noise * (double)f->weight[k];
         double huber = sigmas > OUTLIER_SIGMAS ? OUTLIER_SIGMAS / sigmas : 1;
-        deviance += huber * sigmas * sigmas + 2 * log(sigma);
+        deviance += loss_of((double)f->scratch[k] / scale) + 2 * log(scale * (double)f->weight[k]);
         f->weight[k] = (float)((robust ? huber : 1) / (sigma * sigma));
     }
     return deviance;
