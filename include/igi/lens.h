@@ -50,6 +50,14 @@ IGI_API IGI_MUST_USE igi_status igi_calibration_load(igi_context *context, const
 IGI_API IGI_MUST_USE igi_status igi_calibration_save(igi_context *context,
                                                      const igi_calibration *calibration,
                                                      const char *path);
+/* The same by the file's ending: .yml, .yaml, .xml of OpenCV (image_width, image_height,
+ * camera_matrix, distortion_coefficients); cameras.txt, cameras.bin of COLMAP (the first camera);
+ * else calib/NAME.json. Of a foreign file there is the lens alone. Written are .yml, .txt, .json. */
+IGI_API IGI_MUST_USE igi_status igi_calibration_import(igi_context *context, const char *path,
+                                                       igi_calibration **calibration);
+IGI_API IGI_MUST_USE igi_status igi_calibration_export(igi_context *context,
+                                                       const igi_calibration *calibration,
+                                                       const char *path);
 IGI_API void igi_calibration_destroy(igi_calibration *calibration);
 
 typedef struct igi_chessboard {

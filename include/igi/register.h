@@ -56,7 +56,7 @@ typedef struct igi_registered {
     size_t frame_count;
     igi_registered_frame *frames;
     double before_px, after_px; /* root mean square over the frames */
-    /* How the photographs then agree about places that several show: the robust standard deviation
+    /* How the photographs then agree about places that several show: the standard deviation
      * of ln gain over the frames, and the typical share of places at which one contradicts. */
     double gain_spread, contradicts;
     igi_similarity together; /* identity when not asked for */

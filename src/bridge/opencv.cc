@@ -158,3 +158,32 @@ igi_status igi_cv_merge(igi_context *ctx, const igi_cv_bracket *bracket, const f
                     size_t(bracket->width) * size_t(bracket->height) * 3 * sizeof(float));
     });
 }
+
+igi_status igi_cv_load_lens(igi_context *ctx, const char *path, int size[2],
+                            double parameters[IGI_CV_PARAMETERS])
+{
+    bool good = false;
+    const igi_status status = guarded(ctx, path, [&] {
+        cv::FileStorage file(path, cv::FileStorage::READ);
+        cv::Mat matrix, distortion, m, d;
+        if (!file.isOpened()) return;
+        file["camera_matrix"] >> matrix;
+        file["distortion_coefficients"] >> distortion;
+        size[0] = file["image_width"].empty() ? 0 : int(file["image_width"]);
+        size[1] = file["image_height"].empty() ? 0 : int(file["image_height"]);
+        if (matrix.rows != 3 || matrix.cols != 3 || matrix.channels() != 1) return;
+        if (distortion.channels() != 1 || distortion.total() > 5) return;
+        matrix.convertTo(m, CV_64F);
+        distortion.convertTo(d, CV_64F);
+        const double values[4] = {m.at<double>(0, 0), m.at<double>(1, 1), m.at<double>(0, 2),
+                                  m.at<double>(1, 2)};
+        std::memcpy(parameters, values, sizeof values);
+        for (size_t i = 0; i < 5; i++) parameters[4 + i] = i < d.total() ? d.at<double>(int(i)) : 0;
+        good = true;
+    });
+    if (good || (status != IGI_OK && status != IGI_E_NO_ANSWER)) return status;
+    return igi_fail(ctx, IGI_E_DATA,
+                    "%s: no lens of OpenCV's in it: image_width, image_height, camera_matrix (3 x "
+                    "3) and up to five distortion_coefficients are needed",
+                    path);
+}

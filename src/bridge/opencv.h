@@ -33,6 +33,11 @@ IGI_MUST_USE igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *v
                                          double deviations[IGI_CV_PARAMETERS], double *rms,
                                          double *view_rms);
 
+/* From a file of OpenCV's (YAML or XML): image_width, image_height, camera_matrix and
+ * distortion_coefficients, up to five. */
+IGI_MUST_USE igi_status igi_cv_load_lens(igi_context *ctx, const char *path, int size[2],
+                                         double parameters[IGI_CV_PARAMETERS]);
+
 typedef struct igi_cv_bracket {
     int width, height;
     size_t count;

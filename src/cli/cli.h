@@ -17,7 +17,7 @@ typedef struct cli_values {
     const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
         *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
-        *cache, *peer, *points, *basis;
+        *cache, *peer, *points, *basis, *convert;
     double samples, seeds;
     bool aov, png, preview, relight; /* relight; report */
     const char *to, *edits, *insert; /* export; relight */

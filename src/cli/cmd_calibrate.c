@@ -92,6 +92,18 @@ static void print_json(const cli_session *s, const igi_calibration *c)
     puts("}");
 }
 
+static igi_status convert(cli_session *s)
+{
+    igi_calibration *calibration = NULL;
+    if (s->argument_count || s->values.chessboard || s->values.flat || s->values.overlap)
+        return usage("--convert takes one file; name no images and nothing to calibrate by");
+    igi_status status = igi_calibration_import(s->context, s->values.convert, &calibration);
+    if (status == IGI_OK)
+        status = igi_calibration_export(s->context, calibration, s->values.output);
+    igi_calibration_destroy(calibration);
+    return status;
+}
+
 static igi_status run(cli_session *s)
 {
     const cli_values *v = &s->values;
@@ -99,6 +111,7 @@ static igi_status run(cli_session *s)
     igi_calibration *calibration = NULL;
     size_t count = (size_t)s->argument_count;
     if (!v->output) return usage("where to? give a file with -o, as calib/NAME.json");
+    if (v->convert) return convert(s);
     if ((v->chessboard != NULL) + v->flat + (v->overlap != NULL) != 1)
         return usage(
             "what do the images show? --chessboard COLUMNSxROWS, --flat or --overlap SCENE");
@@ -139,6 +152,7 @@ const cli_command cli_calibrate = {
     .details =
         "With --chessboard: focal lengths, principal point and distortion; views that disagree\n"
         "with the others are left out. With --flat: vignetting, from evenly lit surfaces that\n"
-        "fill the frame, into the same file.",
+        "fill the frame, into the same file. With --convert: the lens from and to the files of\n"
+        "OpenCV and COLMAP, by their endings.",
     .run = run,
 };

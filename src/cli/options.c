@@ -54,6 +54,8 @@ static const option options[] = {
      "the images show a board with so many inner corners"},
     {"square", 0, REAL, CLI_CALIBRATE, AT(square), "METRES", "0", 0, MANY,
      "side of the board's squares"},
+    {"convert", 0, TEXT, CLI_CALIBRATE, AT(convert), "FILE", NULL, 0, 0,
+     "lens of OpenCV (.yml, .xml) or COLMAP (cameras.txt, .bin), or igi's; -o .json, .yml or .txt"},
     {"flat", 0, FLAG, CLI_CALIBRATE, AT(flat), NULL, NULL, 0, 0,
      "the images show an evenly lit surface that fills the frame"},
     {"photos", 0, FLAG, CLI_SYNTH, AT(photos), NULL, NULL, 0, 0,

@@ -170,6 +170,18 @@ static igi_status sum_up(igi_context *ctx, igi_registered *r)
     return IGI_OK;
 }
 
+/* Root mean square of ln gain. */
+static double spread_of_gains(const igi_agreement *a)
+{
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < a->frame_count; i++) {
+        if (!a->frames[i].places) continue;
+        sum += log(a->frames[i].gain) * log(a->frames[i].gain);
+        count++;
+    }
+    return count > 0 ? sqrt(sum / count) : 0;
+}
+
 /* Reads the photographs once more, with the cameras as they now are. */
 static igi_status compare_photographs(igi_context *ctx, const igi_scene *scene,
                                       const igi_tracer *tracer, igi_registered *r)
@@ -179,7 +191,7 @@ static igi_status compare_photographs(igi_context *ctx, const igi_scene *scene,
     igi_agreement *agreement = NULL;
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, observations, &agreement));
-    r->gain_spread = agreement->gain_spread;
+    r->gain_spread = spread_of_gains(agreement);
     r->contradicts = agreement->typical_share;
     for (size_t i = 0; i < r->frame_count; i++) {
         r->frames[i].gain = agreement->frames[i].gain;

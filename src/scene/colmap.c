@@ -4,6 +4,7 @@
  * OpenCV's axes; its pixel centres are at .5, like ours. Frames come sorted by name, since COLMAP
  * writes them in no particular order.
  */
+#include "scene/colmap_camera.h"
 #include "scene/colmap_private.h"
 
 #include <math.h>
@@ -234,6 +235,27 @@ igi_status igi_colmap_read(igi_context *ctx, const char *folder, igi_frame **fra
     *count = r.frame_count;
 cleanup:
     igi_free(inner);
+    igi_free(r.file);
+    igi_free(r.text.bytes);
+    igi_free(r.cameras);
+    return status;
+}
+
+igi_status igi_colmap_read_camera(igi_context *ctx, const char *path, igi_camera *camera)
+{
+    igi_status status = IGI_OK;
+    char *folder = NULL;
+    igi_colmap r = {.ctx = ctx};
+    const char *slash = strrchr(path, '/');
+    IGI_TRY_GOTO(igi_path_folder(ctx, path, &folder));
+    r.folder = folder;
+    IGI_TRY_GOTO(open_part(&r, slash ? slash + 1 : path));
+    IGI_TRY_GOTO(igi_ends_with(path, ".bin") ? igi_colmap_read_binary(&r, false)
+                                             : igi_colmap_read_text(&r, false));
+    if (r.camera_count == 0) IGI_TRY_GOTO(igi_colmap_fail(&r, "no camera in it"));
+    *camera = r.cameras[0].camera;
+cleanup:
+    igi_free(folder);
     igi_free(r.file);
     igi_free(r.text.bytes);
     igi_free(r.cameras);

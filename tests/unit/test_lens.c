@@ -378,9 +378,48 @@ static void broken_files_are_refused(void)
     igi_context_destroy(ctx);
 }
 
+static void same_lens(const igi_camera *a, const igi_camera *b)
+{
+    const double x[] = {a->fl_x, a->fl_y, a->cx, a->cy, a->k1, a->k2, a->p1, a->p2, a->k3};
+    const double y[] = {b->fl_x, b->fl_y, b->cx, b->cy, b->k1, b->k2, b->p1, b->p2, b->k3};
+    CHECK(a->width == b->width && a->height == b->height);
+    for (int i = 0; i < 9; i++) CHECK_NEAR(x[i], y[i], 1e-12 * (1 + fabs(y[i])));
+}
+
+static void foreign_files(void)
+{
+    static const char *const names[] = {"test_lens_x.yml", "test_lens_x.txt"};
+    char path[600];
+    igi_context *ctx = test_context(1);
+    igi_calibration *c = known_lens(ctx), *back = NULL;
+    for (int i = 0; i < 4; i++) {
+        c->lens.k3 = i < 2 ? 0 : .07;
+        CHECK_OK(ctx, igi_calibration_export(ctx, c, names[i % 2]));
+        CHECK_OK(ctx, igi_calibration_import(ctx, names[i % 2], &back));
+        if (back) same_lens(&back->lens, &c->lens);
+        if (back) CHECK(back->has_lens && !back->vignetting.known && !back->response);
+        igi_calibration_destroy(back);
+        remove(names[i % 2]);
+    }
+    igi_calibration_destroy(c);
+    FILE *file = fopen(names[0], "w");
+    if (!file || fputs("%YAML:1.0\n---\nimage_width: 5\n", file) < 0 || fclose(file) != 0) abort();
+    CHECK(igi_calibration_import(ctx, names[0], &back) == IGI_E_DATA && !back);
+    CHECK_CONTAINS(igi_context_message(ctx), "test_lens_x.yml: no lens of OpenCV's in it");
+    remove(names[0]);
+    CHECK(igi_calibration_import(ctx, "nowhere.yml", &back) == IGI_E_DATA);
+    if (test_shared_data("real/calib_opencv_left/left_intrinsics.yml", path, sizeof path)) {
+        CHECK_OK(ctx, igi_calibration_import(ctx, path, &back));
+        if (back) CHECK_NEAR(back->lens.cx, 342.28315473308373 + .5, 1e-9);
+        if (back) CHECK_NEAR(back->lens.k3, .23839153080878486, 1e-12);
+        igi_calibration_destroy(back);
+    }
+    igi_context_destroy(ctx);
+}
+
 TEST_MAIN({"opencv_left", opencv_left},
           {"synthetic_lens_within_its_deviations", synthetic_lens_within_its_deviations},
           {"bridge_turns_exceptions_into_words", bridge_turns_exceptions_into_words},
           {"shading_tables", shading_tables}, {"flat_fields", flat_fields},
           {"corrected_images", corrected_images}, {"files_round_trip", files_round_trip},
-          {"broken_files_are_refused", broken_files_are_refused})
+          {"foreign_files", foreign_files}, {"broken_files_are_refused", broken_files_are_refused})
