@@ -29,10 +29,23 @@ IGI_API IGI_MUST_USE igi_status igi_render(igi_context *context, const igi_scene
                                            const igi_render_options *options, igi_image **picture,
                                            igi_image **variance);
 
+/* The forward methods of the textbooks. */
+typedef enum igi_render_method {
+    IGI_RENDER_PATH,       /* all light (Kajiya 1986) */
+    IGI_RENDER_DIRECT,     /* ray casting: light that has met one surface at most */
+    IGI_RENDER_WHITTED,    /* that, and mirror images in what is glossy (Whitted 1980) */
+    IGI_RENDER_RADIOSITY,  /* patches that gather, one brightness each (Goral et al. 1984) */
+    IGI_RENDER_PROGRESSIVE /* patches that shoot, the brightest first (Cohen et al. 1988) */
+} igi_render_method;
+
+IGI_API const char *igi_render_method_name(igi_render_method method);
+IGI_API bool igi_render_method_from_name(const char *name, igi_render_method *method);
+
 typedef struct igi_relight_options {
     size_t struct_size;
     igi_render_options render;
-    const char *lights;  /* a file of the lights that are on; NULL: the scene's own */
+    igi_render_method method; /* default IGI_RENDER_PATH */
+    const char *lights;       /* a file of the lights that are on; NULL: the scene's own */
     const char *insert;  /* a mesh to be put into the scene, an OBJ with its MTL; may be NULL */
     const char *edits;   /* a file { "regions": { .. } } with what is changed of materials.json's
                           * "model", "albedo", "albedo_map", "specular", "specular_rgb", "alpha", in

@@ -42,6 +42,12 @@ static igi_status run(cli_session *s)
     if (values->preview) options.render.samples = PREVIEW_SAMPLES;
     if (values->samples > 0) options.render.samples = (int)values->samples;
     options.preview = values->preview;
+    bool known = igi_render_method_from_name(values->forward, &options.method);
+    (void)known; /* the table of options lets no other name through */
+    if (values->preview && options.method != IGI_RENDER_PATH) {
+        fprintf(stderr, "igi: relight: --preview is a method of its own; leave --method out\n");
+        return IGI_E_USAGE;
+    }
     options.lights = values->lights;
     options.insert = values->insert;
     options.edits = values->edits;

@@ -106,6 +106,8 @@ static const option options[] = {
      "a mesh to put into the scene: an OBJ in its coordinates, with an MTL"},
     {"materials", 0, TEXT, CLI_RELIGHT, AT(edits), "FILE", NULL, 0, 0,
      "JSON with \"regions\" as in materials.json, those that change, and of them what changes"},
+    {"method", 0, CHOICE, CLI_RELIGHT, AT(forward), "path|direct|whitted|radiosity|progressive",
+     "path", 0, 0, "how light is followed; but for path, textbook methods to compare with"},
     {"preview", 0, FLAG, CLI_RELIGHT, AT(preview), NULL, NULL, 0, 0,
      "quick: radiosity for all but direct light and one bounce"},
     {"variance", 0, FLAG, CLI_RELIGHT, AT(variance), NULL, NULL, 0, 0,
@@ -176,12 +178,16 @@ static const char *store(cli_values *values, const option *o, const char *text)
     return NULL;
 }
 
-static const option *find_long(const char *name, size_t length)
+/* The command's own, where commands have options of one name with different values. */
+static const option *find_long(const char *name, size_t length, unsigned command)
 {
-    for (size_t i = 0; i < OPTION_COUNT; i++)
-        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0)
-            return &options[i];
-    return NULL;
+    const option *found = NULL;
+    for (size_t i = 0; i < OPTION_COUNT; i++) {
+        const option *o = &options[i];
+        if (strlen(o->name) != length || strncmp(o->name, name, length) != 0) continue;
+        if (!found || (o->commands & command)) found = o;
+    }
+    return found;
 }
 
 static const option *find_letter(char letter)
@@ -216,7 +222,7 @@ static bool parse_option(cli_session *s, int argc, char **argv, int *at)
     const option *o;
     if (word[1] == '-') {
         size_t length = strcspn(word + 2, "=");
-        o = find_long(word + 2, length);
+        o = find_long(word + 2, length, s->command->bit);
         if (word[2 + length] == '=') value = word + 3 + length;
     } else {
         o = find_letter(word[1]);

@@ -94,7 +94,67 @@ static float sweep(igi_cache *c, const igi_rows *rows, const float *albedo, floa
     return largest > 0 ? change / largest : 0;
 }
 
-static igi_status solve(igi_context *ctx, igi_cache *c, const igi_rows *rows)
+/* The row with the most unshot power of all bands; the sum of all into *total. */
+static size_t brightest(const igi_cache *c, const igi_rows *rows, const float *unshot,
+                        double *total)
+{
+    size_t bands = (size_t)c->renderer->bands, best = 0;
+    float most = -1;
+    *total = 0;
+    for (size_t row = 0; row < rows->count; row++) {
+        uint32_t side = rows->side[row];
+        float power = 0;
+        for (size_t b = 0; b < bands; b++) power += unshot[side * bands + b];
+        power *= c->patches->area[side >> 1];
+        *total += (double)power;
+        if (power > most) {
+            most = power;
+            best = row;
+        }
+    }
+    return best;
+}
+
+/* Each ray of the brightest side takes its share of the unshot power to the side it meets: progressive
+ * refinement (Cohen et al. 1988). unshot[2 patches][bands] is radiosity that is not yet shot. */
+static igi_status shoot(igi_context *ctx, igi_cache *c, const igi_rows *rows, const float *albedo,
+                        float *unshot)
+{
+    size_t bands = (size_t)c->renderer->bands;
+    double total, first = 0;
+    for (size_t row = 0; row < rows->count; row++) {
+        float *direct = unshot + rows->side[row] * bands;
+        igi_row_direct(rows, row, c->renderer->lights, (int)bands, direct);
+        for (size_t b = 0; b < bands; b++) {
+            c->irradiance[rows->side[row] * bands + b] = direct[b];
+            direct[b] *= albedo[(rows->side[row] >> 1) * bands + b];
+        }
+    }
+    for (size_t shots = 0; shots < 100 * rows->count; shots++) {
+        size_t row = brightest(c, rows, unshot, &total);
+        uint32_t side = rows->side[row];
+        if (shots == 0) first = total;
+        if (!(total > (double)TOLERANCE * 10 * first)) break;
+        size_t begin = rows->begin[row], end = rows->begin[row + 1];
+        for (size_t k = begin; k < end; k++) {
+            uint32_t met = rows->hits[k];
+            if (met == IGI_NO_SIDE) continue;
+            float share = c->patches->area[side >> 1] /
+                          ((float)(end - begin) * c->patches->area[met >> 1]);
+            for (size_t b = 0; b < bands; b++) {
+                float arrives = unshot[side * bands + b] * share;
+                c->irradiance[met * bands + b] += arrives;
+                if (met != side)
+                    unshot[met * bands + b] += arrives * albedo[(met >> 1) * bands + b];
+            }
+        }
+        for (size_t b = 0; b < bands; b++) unshot[side * bands + b] = 0;
+        if (shots % 256 == 0) IGI_TRY(igi_progress(ctx, 1 - total / fmax(first, 1e-30)));
+    }
+    return IGI_OK;
+}
+
+static igi_status solve(igi_context *ctx, igi_cache *c, const igi_rows *rows, bool by_shooting)
 {
     igi_status status = IGI_OK;
     size_t bands = (size_t)c->renderer->bands, patches = c->patches->count;
@@ -103,7 +163,8 @@ static igi_status solve(igi_context *ctx, igi_cache *c, const igi_rows *rows)
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * patches * bands, &radiance));
     for (uint32_t p = 0; p < patches; p++)
         if (c->patches->triangle[p] != IGI_NO_HIT) patch_albedo(c, p, albedo + p * bands);
-    for (int k = 0; k < MOST_SWEEPS; k++) {
+    if (by_shooting) IGI_TRY_GOTO(shoot(ctx, c, rows, albedo, radiance));
+    for (int k = 0; k < MOST_SWEEPS && !by_shooting; k++) {
         if (sweep(c, rows, albedo, radiance) < TOLERANCE) break;
         IGI_TRY_GOTO(igi_progress(ctx, (double)k / MOST_SWEEPS));
     }
@@ -114,7 +175,7 @@ cleanup:
 }
 
 igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer, int rays,
-                            igi_cache **cache)
+                            bool by_shooting, igi_cache **cache)
 {
     igi_status status = IGI_OK;
     igi_cache *c = NULL;
@@ -138,7 +199,7 @@ igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer, int 
     igi_gather_options options = {.rays = rays, .light_points = LIGHT_POINTS, .wanted = wanted};
     IGI_TRY_GOTO(igi_rows_create(ctx, renderer->scene, c->patches, renderer->tracer,
                                  renderer->lighting, &sites, &options, &rows));
-    IGI_TRY_GOTO(solve(ctx, c, rows));
+    IGI_TRY_GOTO(solve(ctx, c, rows, by_shooting));
     *cache = c;
     c = NULL;
 cleanup:

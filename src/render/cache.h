@@ -7,9 +7,9 @@
 
 #include "render/path.h"
 
-/* Rays of each side: 64 or so. Surfaces reflect diffusely, what their lobes reflect included. */
+/* Rays of each side: 64 or so. `shoot`: by shooting rather than gathering. Surfaces reflect diffusely, what their lobes reflect included. */
 IGI_MUST_USE igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer, int rays,
-                                         igi_cache **cache);
+                                         bool shoot, igi_cache **cache);
 void igi_cache_destroy(igi_cache *cache);
 
 /* Adds what the surface at the hit sends back, times throughput[bands]. */

@@ -25,7 +25,7 @@ static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u
     if (!igi_light_sample_toward(r->lighting, light, s->point, u, v, &c->sample)) return false;
     if (!surface_value(s, r->bands, c->sample.direction, c->value, &pdf)) return false;
     /* A light of no extent (pdf 0) is never met by a ray of the BRDF. */
-    float share = c->sample.pdf > 0 ? c->sample.pdf / (c->sample.pdf + pdf) : 1;
+    float share = c->sample.pdf > 0 && !r->mirrors ? c->sample.pdf / (c->sample.pdf + pdf) : 1;
     c->mean = 0;
     for (int b = 0; b < r->bands; b++) {
         c->value[b] *= c->sample.weight * share * (float)r->lights[light].value[b];
@@ -128,7 +128,8 @@ uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, in
         igi_hit hit = edge == 1 ? igi_trace(r->tracer, origin, direction)
                                 : igi_trace_off(r->tracer, origin, normal, direction);
         rays++;
-        add_emission(r, origin, direction, &hit, pdf, throughput, edge <= 2 ? first : radiance);
+        if (edge == 1 || !r->mirrors)
+            add_emission(r, origin, direction, &hit, pdf, throughput, edge <= 2 ? first : radiance);
         if (hit.triangle == IGI_NO_HIT || edge >= max_depth) break;
         surface_at(r, &hit, direction, &s);
         if (s.finish->absorbs) break;
@@ -138,7 +139,9 @@ uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, in
             break;
         }
         rays += add_direct(r, &s, points, throughput, edge == 1 ? first : radiance);
-        if (!go_on(r, &s, points, &direction, throughput, &pdf)) break;
+        if (r->mirrors ? !surface_mirror(&s, r->bands, &direction, throughput)
+                       : !go_on(r, &s, points, &direction, throughput, &pdf))
+            break;
         origin = s.point;
         normal = s.normal;
         if (edge >= FIRST_ROULETTE && !survive(r->bands, points, throughput)) break;

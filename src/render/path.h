@@ -32,6 +32,8 @@ struct igi_renderer {
     igi_lighting *lighting;
     igi_cache *cache; /* NULL, or what paths end with at their edge number cache_edge */
     int cache_edge;
+    bool
+        mirrors; /* paths go on in the mirror direction alone, and lamps are found by shadow rays */
 };
 
 /* A point of a surface with its reflectance, seen along `out`. */
@@ -50,6 +52,10 @@ void surface_at(const igi_renderer *r, const igi_hit *hit, igi_vec direction, su
 /* BRDF times cosine per band for a direction of the world, and its density; false: all zero. */
 bool surface_value(const surface *s, int bands, igi_vec direction, float *value, float *pdf);
 igi_vec surface_sample(const surface *s, float choice, float u, float v);
+
+/* Turns a direction of the world into that of its mirror image, and multiplies throughput[bands] by
+ * what the lobe would send there were it infinitely narrow; false when there is no lobe. */
+bool surface_mirror(const surface *s, int bands, igi_vec *direction, float *throughput);
 
 /* Sample points, stratified over `batch` (1, 4 or 16) samples of a pixel. */
 typedef struct sampler {

@@ -111,13 +111,18 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
     IGI_TRY_GOTO(
         igi_renderer_create(ctx, scene, materials, options->lights ? lights : materials->lights,
                             options->lights ? light_count : materials->light_count, &renderer));
-    if (options->preview) {
+    igi_relight_options adjusted = *options;
+    if (options->method != IGI_RENDER_PATH) {
+        igi_stage_begin(ctx, igi_render_method_name(options->method));
+        IGI_TRY_GOTO(
+            igi_renderer_set_method(ctx, renderer, options->method, &adjusted.render.max_depth));
+    } else if (options->preview) {
         igi_stage_begin(ctx, "radiosity");
         IGI_TRY_GOTO(igi_renderer_add_cache(ctx, renderer));
     }
     igi_stage_begin(ctx, "rendering");
     if (options->noise) *options->noise = 0;
-    relighting r = {ctx, options, output, renderer, scene->bands, 0};
+    relighting r = {ctx, &adjusted, output, renderer, scene->bands, 0};
     for (size_t i = 0; i < count; i++) IGI_TRY_GOTO(render_frame(&r, &frames[i], i));
 cleanup:
     igi_stage_begin(ctx, NULL);

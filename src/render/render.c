@@ -95,7 +95,7 @@ void igi_renderer_destroy(igi_renderer *renderer)
 
 igi_status igi_renderer_add_cache(igi_context *ctx, igi_renderer *renderer)
 {
-    IGI_TRY(igi_cache_create(ctx, renderer, CACHE_RAYS, &renderer->cache));
+    IGI_TRY(igi_cache_create(ctx, renderer, CACHE_RAYS, false, &renderer->cache));
     renderer->cache_edge = 2;
     return IGI_OK;
 }

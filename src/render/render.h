@@ -21,6 +21,10 @@ void igi_renderer_destroy(igi_renderer *renderer);
  * surface, and pictures are quick: their light is exact up to one bounce. */
 IGI_MUST_USE igi_status igi_renderer_add_cache(igi_context *ctx, igi_renderer *renderer);
 
+/* From now on pictures are made that way; *max_depth is cut to what it needs. */
+IGI_MUST_USE igi_status igi_renderer_set_method(igi_context *ctx, igi_renderer *renderer,
+                                                igi_render_method method, int *max_depth);
+
 /* Images [count] of the cameras' size and the scene's bands; all but the pictures may be NULL. */
 typedef struct igi_layers {
     igi_image **pictures;

@@ -94,3 +94,14 @@ igi_vec surface_sample(const surface *s, float choice, float u, float v)
     igi_vec d = igi_madd(igi_scale(s->t, in.x), s->b, in.y);
     return igi_normalize(igi_madd(d, s->normal, in.z));
 }
+
+bool surface_mirror(const surface *s, int bands, igi_vec *direction, float *throughput)
+{
+    const finish *f = s->finish;
+    if (f->model == IGI_LAMBERT) return false;
+    float schlick = f->model == IGI_GGX ? powf(1 - fminf(1.0f, s->out.z), 5) : 0;
+    *direction = igi_normalize(igi_madd(*direction, s->normal, 2 * s->out.z));
+    for (int b = 0; b < bands; b++)
+        throughput[b] *= f->specular[b] + (1 - f->specular[b]) * schlick;
+    return true;
+}

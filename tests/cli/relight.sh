@@ -11,7 +11,7 @@ expect 0 "" "$igi" synth -q "$tests/cli/mini.json" -o room
 render() {
     name=$1
     shift
-    expect 0 "" "$igi" relight -q room/truth --cameras room/transforms.json --samples 16 -o "$name" "$@"
+    expect 0 "" "$igi" relight -q room/truth --cameras room/transforms.json --samples 8 -o "$name" "$@"
     "$build/pixels" "$name/0002.exr" 1 16 | awk '{ s[NR % 3] += $1 } END {
         printf "%.1f %.1f %.1f", s[1] / NR * 3, s[2] / NR * 3, s[0] / NR * 3 }' >levels
 }
@@ -29,6 +29,20 @@ plain=$(cat levels)
 holds '$1 == $4 && $1 > 20'
 render preview --preview
 holds '$4 > $1 - 3 && $4 < $1 + 3'
+
+# Radiosity, gathered or shot, has the light of paths; what has met one surface only is darker.
+for method in radiosity progressive; do
+    render $method --method $method
+    holds '$4 > $1 - 6 && $4 < $1 + 6'
+done
+render whitted --method whitted # no lobe here: the same light as direct
+cp levels whitted.levels
+render direct --method direct
+holds '$4 < $1 - 20'
+awk '{ getline w <"whitted.levels"; split(w, x); exit !(x[1] - $1 < 2 && $1 - x[1] < 2) }' levels ||
+    fail "whitted $(cat whitted.levels), direct $(cat levels)"
+expect 2 'must be one of path' "$igi" relight room/truth --method patches --cameras room/transforms.json -o bad
+expect 2 'a method of its own' "$igi" relight room/truth --method direct --preview --cameras room/transforms.json -o bad
 
 echo '{ "regions": { "walls": { "albedo": [0.7, 0.1, 0.1] } } }' >edits.json
 render edited --materials edits.json
