@@ -42,6 +42,15 @@ typedef enum igi_light_type {
     IGI_LIGHT_AMBIENT      /* value: radiance, W m^-2 sr^-1 */
 } igi_light_type;
 
+/* A sky reckoned, not photographed: Preetham's for the clear part, CIE's for the overcast one. */
+typedef struct igi_sky {
+    bool given;
+    double sun_elevation_deg,
+        sun_azimuth_deg; /* above the horizon; from north (+Y) over east (+X) */
+    double turbidity;    /* 1.7..10: haze */
+    double cloudiness;   /* 0 clear .. 1 overcast */
+} igi_sky;
+
 typedef struct igi_light {
     igi_light_type type;
     int region;          /* area: index of the emitter region; else -1 */
@@ -51,6 +60,7 @@ typedef struct igi_light {
     double cutoff_deg,
         beam_deg;        /* spot: half angles; full inside beam, linear in angle to 0 at cutoff */
     double rotation_deg; /* env: about +Z */
+    igi_sky sky;         /* env: in place of an image */
     char *file;          /* goniometric: profile; env: image; absolute or relative to the process */
     bool known;          /* value was given */
     double value[IGI_MAX_BANDS];

@@ -25,6 +25,7 @@
 
 #define DEFAULT_RAYS 64
 #define FEWEST_RAYS 8
+#define SKY_POINTS 4
 #define MOST_RAYS 1024
 #define REGION_FOLD 256  /* rays of a small region's rows together, in units of one row's */
 #define DARK_ALBEDO 0.02 /* errors of darker surfaces are judged as if they were this bright */
@@ -149,11 +150,21 @@ cleanup:
     return status;
 }
 
+/* More for environments: sun and sky are found by samples alone, without a closed form. */
+static int light_points(const igi_problem *problem, int rays)
+{
+    int points = rays > 4 ? rays / 5 : 1;
+    for (size_t l = 0; l < problem->light_count; l++)
+        if (problem->lights[l].type == IGI_LIGHT_ENV) return points * SKY_POINTS;
+    return points;
+}
+
 static igi_status gather_and_solve(igi_context *ctx, const igi_problem *problem, int rays,
                                    igi_diffuse *diffuse)
 {
-    igi_gather_options options = {
-        .rays = rays, .light_points = rays > 4 ? rays / 5 : 1, .region_rays = REGION_FOLD * rays};
+    igi_gather_options options = {.rays = rays,
+                                  .light_points = light_points(problem, rays),
+                                  .region_rays = REGION_FOLD * rays};
     igi_sites sites = igi_problem_sites(problem);
     igi_rows_destroy(diffuse->rows);
     diffuse->rows = NULL;

@@ -97,6 +97,12 @@ igi_status igi_export_sky(const igi_exporter *e, size_t light, igi_picture forma
     igi_image *image = NULL, *rgb = NULL;
     double scale[3];
     igi_export_rgb(l->value, e->materials->bands, scale);
+    if (l->sky.given)
+        IGI_TRY_GOTO(
+            igi_fail(e->ctx, IGI_E_DATA,
+                     "lights[%zu]: a sky by the sun's place is not exported to this format; "
+                     "remove it from materials.json",
+                     light));
     IGI_TRY_GOTO(igi_image_load_exr(e->ctx, l->file ? l->file : "", &image));
     int bands = image->channels - (strcmp(image->names[image->channels - 1], "A") == 0);
     IGI_TRY_GOTO(take_rgb(e->ctx, image, bands, scale, &rgb));
@@ -133,7 +139,7 @@ igi_status igi_export_square_sky(const igi_exporter *e, size_t light)
     int bands = e->materials->bands;
     double scale[3];
     igi_export_rgb(l->value, bands, scale);
-    IGI_TRY_GOTO(sky_load(e->ctx, l->file ? l->file : "", bands, l->rotation_deg, &from));
+    IGI_TRY_GOTO(sky_of_light(e->ctx, l, bands, &from));
     IGI_TRY_GOTO(igi_image_create(e->ctx, SIDE, SIDE, 3, &rgb));
     for (size_t i = 0; i < (size_t)SIDE * SIDE; i++) {
         /* Row 0 of the file is y = 0: pbrt looks maps up without turning them over. */

@@ -76,9 +76,7 @@ static igi_status prepare(igi_context *ctx, source *s, int bands)
     case IGI_LIGHT_GONIOMETRIC:
         if (!light->file) return igi_fail(ctx, IGI_E_DATA, "lights: one has no \"profile\"");
         return profile_load(ctx, light->file, &s->profile);
-    case IGI_LIGHT_ENV:
-        if (!light->file) return igi_fail(ctx, IGI_E_DATA, "lights: one has no \"image\"");
-        return sky_load(ctx, light->file, bands, light->rotation_deg, &s->sky);
+    case IGI_LIGHT_ENV: return sky_of_light(ctx, light, bands, &s->sky);
     default: break;
     }
     return IGI_OK;

@@ -51,6 +51,17 @@ static igi_status fill(igi_context *ctx, sky *s, const igi_image *image, int fil
                     i % (size_t)s->width, i / (size_t)s->width, (double)x);
             s->radiance[i * (size_t)s->bands + (size_t)b] = x;
         }
+    return IGI_OK;
+}
+
+float *sky_pixels(sky *s)
+{
+    return s->radiance;
+}
+
+void sky_finish(sky *s, double rotation_deg)
+{
+    s->rotation = (float)(rotation_deg * IGI_PI / 180);
     double all = 0;
     for (int j = 0; j < s->height; j++) {
         double row = 0, omega = (double)solid_angle(s, j);
@@ -62,7 +73,27 @@ static igi_status fill(igi_context *ctx, sky *s, const igi_image *image, int fil
         all += row;
         s->rows[j] = (float)all;
     }
-    return IGI_OK;
+}
+
+igi_status sky_create(igi_context *ctx, int width, int height, int bands, sky **result)
+{
+    size_t pixels = (size_t)width * (size_t)height;
+    igi_status status = IGI_OK;
+    sky *s = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &s));
+    s->width = width;
+    s->height = height;
+    s->bands = bands;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels * (size_t)bands, &s->radiance));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &s->columns));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)height, &s->rows));
+cleanup:
+    if (status != IGI_OK) {
+        sky_destroy(s);
+        s = NULL;
+    }
+    *result = s;
+    return status;
 }
 
 igi_status sky_load(igi_context *ctx, const char *path, int bands, double rotation_deg,
@@ -76,16 +107,9 @@ igi_status sky_load(igi_context *ctx, const char *path, int bands, double rotati
     if (file_bands != bands && file_bands != 1)
         IGI_TRY_GOTO(igi_fail(ctx, IGI_E_DATA, "%s: has %d bands, but the scene has %d", path,
                               file_bands, bands));
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &s));
-    s->width = image->width;
-    s->height = image->height;
-    s->bands = bands;
-    s->rotation = (float)(rotation_deg * IGI_PI / 180);
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels * (size_t)bands, &s->radiance));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &s->columns));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)s->height, &s->rows));
+    IGI_TRY_GOTO(sky_create(ctx, image->width, image->height, bands, &s));
     IGI_TRY_GOTO(fill(ctx, s, image, file_bands, path));
+    sky_finish(s, rotation_deg);
 cleanup:
     igi_image_destroy(image);
     if (status != IGI_OK) {

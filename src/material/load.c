@@ -203,7 +203,8 @@ static int material_named(const igi_materials *materials, const char *name)
 static igi_status read_light(const reader *r, const json_t *o, igi_light *l, double *std)
 {
     const char *type = json_string_value(json_object_get(o, "type"));
-    if (!type || !igi_light_type_from_name(type, &l->type))
+    l->sky.given = type && strcmp(type, "sky") == 0;
+    if (!type || !igi_light_type_from_name(l->sky.given ? "env" : type, &l->type))
         return wrong(r, "lights", "type", "a kind of light");
     l->region = material_named(r->materials, json_string_value(json_object_get(o, "region")));
     IGI_TRY(read_numbers(r, type, o, "position", 3, l->position, NULL));
@@ -213,6 +214,10 @@ static igi_status read_light(const reader *r, const json_t *o, igi_light *l, dou
     IGI_TRY(read_number(r, type, o, "cutoff_deg", &l->cutoff_deg));
     IGI_TRY(read_number(r, type, o, "beam_deg", &l->beam_deg));
     IGI_TRY(read_number(r, type, o, "rotation_deg", &l->rotation_deg));
+    IGI_TRY(read_number(r, type, o, "sun_elevation_deg", &l->sky.sun_elevation_deg));
+    IGI_TRY(read_number(r, type, o, "sun_azimuth_deg", &l->sky.sun_azimuth_deg));
+    IGI_TRY(read_number(r, type, o, "turbidity", &l->sky.turbidity));
+    IGI_TRY(read_number(r, type, o, "cloudiness", &l->sky.cloudiness));
     const char *file = json_string_value(json_object_get(o, "profile"));
     if (!file) file = json_string_value(json_object_get(o, "image"));
     if (file) IGI_TRY(igi_strdup(r->ctx, file, &l->file));

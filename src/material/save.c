@@ -211,6 +211,12 @@ static int put_place(json_t *o, const igi_light *l, const igi_scene *scene)
         bad |= json_object_set_new(o, "direction", numbers(l->direction, 3));
         break;
     case IGI_LIGHT_ENV:
+        if (l->sky.given) {
+            bad |= json_object_set_new(o, "sun_elevation_deg", number(l->sky.sun_elevation_deg));
+            bad |= json_object_set_new(o, "sun_azimuth_deg", number(l->sky.sun_azimuth_deg));
+            bad |= json_object_set_new(o, "turbidity", number(l->sky.turbidity));
+            bad |= json_object_set_new(o, "cloudiness", number(l->sky.cloudiness));
+        }
         if (l->file)
             bad |= json_object_set_new(o, "image", json_string(portable_path(scene, l->file)));
         bad |= json_object_set_new(o, "rotation_deg", number(l->rotation_deg));
@@ -227,7 +233,8 @@ static json_t *light_json(const igi_light *l, const double *std, int bands, cons
     char std_key[32];
     snprintf(std_key, sizeof std_key, "%s_std", key);
     json_t *o = json_object();
-    int bad = json_object_set_new(o, "type", json_string(igi_light_type_name(l->type)));
+    int bad = json_object_set_new(o, "type",
+                                  json_string(l->sky.given ? "sky" : igi_light_type_name(l->type)));
     bad |= put_place(o, l, scene);
     if (l->known || any_nonzero(l->value, bands))
         bad |= json_object_set_new(o, key,

@@ -2,6 +2,7 @@
 #include "scene/scene_parts.h"
 
 #include "scene/light_units.h"
+#include "scene/sun.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,7 +39,8 @@ typedef enum light_key {
     KEY_CONE = 16,
     KEY_PROFILE = 32,
     KEY_IMAGE = 64,
-    KEY_SCALE = 128 /* the value is one number */
+    KEY_SCALE = 128, /* the value is one number */
+    KEY_SKY = 256
 } light_key;
 
 static const struct {
@@ -54,8 +56,13 @@ static const struct {
     {"goniometric", IGI_LIGHT_GONIOMETRIC, "scale", KEY_POSITION | KEY_PROFILE | KEY_SCALE},
     {"directional", IGI_LIGHT_DIRECTIONAL, "irradiance", KEY_DIRECTION},
     {"env", IGI_LIGHT_ENV, "scale", KEY_IMAGE | KEY_SCALE},
+    {"sky", IGI_LIGHT_ENV, "scale", KEY_SKY | KEY_SCALE},
     {"ambient", IGI_LIGHT_AMBIENT, "radiance", 0},
 };
+
+static const char *const sky_keys[] = {"latitude_deg",      "longitude_deg",   "time",
+                                       "sun_elevation_deg", "sun_azimuth_deg", "turbidity",
+                                       "cloudiness"};
 
 static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t kind)
 {
@@ -75,7 +82,8 @@ static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t 
     if (keys & KEY_CONE) known[count++] = "beam_deg";
     if (keys & KEY_PROFILE) known[count++] = "profile";
     if (keys & KEY_IMAGE) known[count++] = "image";
-    if (keys & KEY_IMAGE) known[count++] = "rotation_deg";
+    if (keys & (KEY_IMAGE | KEY_SKY)) known[count++] = "rotation_deg";
+    for (size_t i = 0; keys & KEY_SKY && i < COUNT(sky_keys); i++) known[count++] = sky_keys[i];
     return igi_json_check_keys(ctx, at, known, count);
 }
 
@@ -183,7 +191,7 @@ static igi_status find_kind(igi_context *ctx, const igi_json *at, size_t *kind)
                              meant);
     return igi_json_fail(ctx, &type,
                          "no kind of light is \"%s\"; there are area, point, spot, line, "
-                         "goniometric, directional, env and ambient",
+                         "goniometric, directional, env, sky and ambient",
                          name);
 }
 
@@ -213,9 +221,10 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
     if (keys & KEY_DIRECTION) IGI_TRY(read_direction(ctx, at, light->direction));
     if (keys & KEY_CONE) IGI_TRY(read_cone(ctx, at, light));
     if (keys & KEY_PROFILE) IGI_TRY(read_file(ctx, at, "profile", &light->file));
-    if (keys & KEY_IMAGE) {
+    if (keys & KEY_SKY) IGI_TRY(igi_sky_read(ctx, at, &light->sky));
+    if (keys & KEY_IMAGE) IGI_TRY(read_file(ctx, at, "image", &light->file));
+    if (keys & (KEY_IMAGE | KEY_SKY)) {
         igi_json rotation = igi_json_member(at, "rotation_deg");
-        IGI_TRY(read_file(ctx, at, "image", &light->file));
         if (rotation.value) IGI_TRY(igi_json_number(ctx, &rotation, &light->rotation_deg));
     }
     return read_value(ctx, at, kind, scene, light);

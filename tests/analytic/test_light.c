@@ -310,6 +310,34 @@ static void coloured_environment(igi_context *ctx)
     }
 }
 
+/* The overcast sky has a closed form, E = L_z pi (1 + 2 (2/3)) / 3; the sun at 60 degrees gives about
+ * 100 klx (IES: 127.5 e^(-.21 m) klx), the clear dome 8 to 20 klx; clear is bluer than the sun. */
+static void sky_by_the_sun(void)
+{
+    enum { OVERCAST, CLEAR };
+    for (int cloudiness = CLEAR; cloudiness >= OVERCAST; cloudiness--) {
+        igi_light light = {.type = IGI_LIGHT_ENV,
+                           .region = -1,
+                           .value = {1},
+                           .sky = {true, 60, 90, 3, cloudiness == OVERCAST}};
+        lit l = other_room(light, true), *r = &l;
+        double klx = mean_irradiance(r, igi_v(0, 0, 0), up, 64, 400) * 179 / 1000;
+        double east = mean_irradiance(r, igi_v(0, 0, 0), igi_v(1, 0, 0), 64, 400) * 179 / 1000;
+        double west = mean_irradiance(r, igi_v(0, 0, 0), igi_v(-1, 0, 0), 64, 400) * 179 / 1000;
+        printf("cloudiness %d: %.2f klx; toward east %.2f, west %.2f\n", cloudiness == OVERCAST,
+               klx, east, west);
+        if (cloudiness == OVERCAST) {
+            double zenith = 0.123 + 8.6 * sin(IGI_PI / 3);
+            CHECK_NEAR(klx, zenith * IGI_PI * 7 / 9, 0.01 * klx);
+            CHECK_NEAR(east, west, 0.02 * east);
+        } else {
+            CHECK(klx > 85 && klx < 125);
+            CHECK(east > 40 && east < 75 && west > 2 && west < 12);
+        }
+        put_out(r);
+    }
+}
+
 static void environment(void)
 {
     igi_context *ctx = test_context(1);
@@ -486,5 +514,5 @@ static void refusals(void)
 
 TEST_MAIN({"square", square}, {"bulb", bulb}, {"shadow", shadow}, {"samples", samples},
           {"facing samples", facing_samples}, {"small lights", small_lights}, {"line", line},
-          {"ambient", ambient}, {"environment", environment}, {"goniometric", goniometric},
-          {"eulumdat", eulumdat}, {"refusals", refusals})
+          {"ambient", ambient}, {"environment", environment}, {"sky by the sun", sky_by_the_sun},
+          {"goniometric", goniometric}, {"eulumdat", eulumdat}, {"refusals", refusals})

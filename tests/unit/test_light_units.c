@@ -5,6 +5,7 @@
  */
 #include "base/spectrum.h"
 #include "base/vec.h"
+#include "scene/sun.h"
 #include "scene_fixture.h"
 
 #define FOLDER "scratch_light_units"
@@ -164,4 +165,48 @@ static void units(void)
     igi_context_destroy(ctx);
 }
 
-TEST_MAIN({"observer", observer}, {"colours", colours}, {"units", units})
+/* NREL's example (Reda and Andreas 2008): zenith 50.11162 (with .014 of refraction), azimuth
+ * 194.34024 degrees; and at the equator at an equinox the sun passes overhead. */
+static void sun(void)
+{
+    double days, elevation, azimuth, utc;
+    CHECK(igi_days_of_time("2003-10-17T12:30:30-07:00", &days));
+    igi_sun_position(days, 39.742476, -105.1786, &elevation, &azimuth);
+    CHECK_NEAR(elevation, 90 - 50.11162, 0.03);
+    CHECK_NEAR(azimuth, 194.34024, 0.03);
+    CHECK(igi_days_of_time("2003-10-17T19:30:30Z", &utc));
+    CHECK_NEAR(utc, days, 1e-9);
+    CHECK(igi_days_of_time("2020-03-20T12:07:30Z", &days));
+    igi_sun_position(days, 0, 0, &elevation, &azimuth);
+    CHECK(elevation > 89.5);
+    CHECK(igi_days_of_time("2000-01-01T12:00Z", &days));
+    CHECK_NEAR(days, 0, 0);
+    static const char *const bad[] = {"",
+                                      "noon",
+                                      "2020-13-01T12:00Z",
+                                      "2020-01-01T12:00",
+                                      "2020-01-01T12:00+2",
+                                      "2020-01-01T12:00:00Zz"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) CHECK(!igi_days_of_time(bad[i], &days));
+    igi_context *ctx = test_context(1);
+    igi_scene *scene = NULL;
+    CHECK_OK(ctx, load_lights(ctx,
+                              "{\"type\":\"sky\",\"latitude_deg\":50,\"longitude_deg\":8,"
+                              "\"time\":\"2026-06-21T13:28:00+02:00\",\"cloudiness\":0.5}",
+                              &scene));
+    if (scene) {
+        const igi_light *l = &scene->lights[0];
+        CHECK(l->sky.given && l->known && l->value[0] == 1 && l->sky.turbidity == 3);
+        CHECK_NEAR(l->sky.sun_elevation_deg, 90 - 50 + 23.44, 0.1);
+        CHECK_NEAR(l->sky.sun_azimuth_deg, 180, 1.5);
+    }
+    igi_scene_destroy(scene);
+    CHECK(load_lights(ctx,
+                      "{\"type\":\"sky\",\"latitude_deg\":50,\"longitude_deg\":8,"
+                      "\"time\":\"2026-06-21T01:00:00+02:00\"}",
+                      &scene) == IGI_E_DATA);
+    CHECK_CONTAINS(igi_context_message(ctx), "it is night");
+    igi_context_destroy(ctx);
+}
+
+TEST_MAIN({"observer", observer}, {"colours", colours}, {"units", units}, {"sun", sun})
