@@ -18,6 +18,13 @@ static json_t *with_severity(json_t *value, double severity)
 {
     if (json_is_string(value) && strcmp(json_string_value(value), "$") == 0)
         return json_real(severity);
+    if (json_is_object(value)) {
+        const char *key;
+        json_t *member, *object = json_object();
+        json_object_foreach (value, key, member)
+            if (json_object_set_new(object, key, with_severity(member, severity))) break;
+        return object;
+    }
     if (!json_is_array(value)) return json_deep_copy(value);
     json_t *array = json_array();
     for (size_t i = 0; i < json_array_size(value); i++)

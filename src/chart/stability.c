@@ -19,6 +19,7 @@
 
 #define WORSE 3.0
 #define TOO_WRONG 0.01
+#define SMALL_PATCH 0.12 /* metres: the small edition is to be quick */
 
 typedef struct study {
     igi_context *ctx;
@@ -135,7 +136,9 @@ static igi_status add_trial(study *s, const chart_trial *trial)
     if (!grown) return IGI_E_SYSTEM;
     s->trials = grown;
     IGI_TRY(IGI_ALLOC(s->ctx, 1, &grown[s->trial_count]));
-    *grown[s->trial_count++] = *trial;
+    *grown[s->trial_count] = *trial;
+    if (s->options->small) grown[s->trial_count]->patch_m = SMALL_PATCH;
+    s->trial_count++;
     return IGI_OK;
 }
 

@@ -175,6 +175,7 @@ static igi_status recover(igi_context *ctx, chart_subject *s, chart_trial *t)
     chart_case c;
     igi_recover_options options;
     igi_recover_options_init(&options);
+    options.patch_m = t->patch_m;
     if (t->sweep) options.model = t->sweep->model;
     IGI_TRY(chart_case_recover(ctx, s->scene, &options, t->seed, &c));
     lower_judged(&c, s->truth);

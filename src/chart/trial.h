@@ -14,6 +14,7 @@ typedef struct chart_trial {
     const char *base;
     const chart_room *room;
     uint64_t seed;
+    double patch_m;                        /* of igi_recover_options */
     const struct chart_trial *unperturbed; /* of the same base and seed */
     /* What came out. */
     bool skipped; /* the sweep does not apply to this room */

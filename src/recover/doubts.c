@@ -18,10 +18,12 @@
 #define FEWEST_LAMP_PIXELS 20
 #define MOST_ALBEDO 1.0
 #define TREND 0.015
+#define USUAL_TREND 0.005
 #define VIEWS_DIFFER 0.006
-#define VIEWS_DIFFER_TIMES 3.0 /* what the typical region has */
+#define VIEWS_DIFFER_TIMES 3.0 /* what the calmest regions have */
 #define VIGNETTING 0.008
 #define GLARE 0.0015
+#define DRIFT 0.01
 #define CAMERA_SIGMAS 6.0
 #define CORNER_MEAN (1 / 3.0) /* of r^2 over a picture */
 #define FEWEST_SIDES 12
@@ -81,6 +83,14 @@ static igi_status doubt_camera(igi_context *ctx, const igi_residuals *r, igi_mat
                               r->vignetting > 0 ? "darker" : "brighter"));
         IGI_TRY(warn(ctx, m, NULL, sentence));
     }
+    if (r->drift > DRIFT) {
+        IGI_TRY(
+            igi_strprintf(ctx, &sentence,
+                          "the photographs' exposures still differ by %.1f %%; lock exposure and "
+                          "white balance, or merge brackets again",
+                          100 * r->drift));
+        IGI_TRY(warn(ctx, m, NULL, sentence));
+    }
     if (!(r->glare > fmax(GLARE, CAMERA_SIGMAS * r->glare_error))) return IGI_OK;
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "%.1f %% of the light strays over the photographs (glare): dark places "
@@ -89,7 +99,7 @@ static igi_status doubt_camera(igi_context *ctx, const igi_residuals *r, igi_mat
     return warn(ctx, m, NULL, sentence);
 }
 
-static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, double typical,
+static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, double usual,
                                int bands, igi_materials *m, igi_material *region)
 {
     char *sentence;
@@ -108,7 +118,7 @@ static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, d
         IGI_TRY(warn(ctx, m, region, sentence));
     }
     if (region->model != IGI_LAMBERT ||
-        !(r->differ > fmax(VIEWS_DIFFER, VIEWS_DIFFER_TIMES * typical)))
+        !(r->differ > fmax(VIEWS_DIFFER, VIEWS_DIFFER_TIMES * usual)))
         return IGI_OK;
     IGI_TRY(
         igi_strprintf(ctx, &sentence,
@@ -208,13 +218,13 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     double trend = median_over(r, offsetof(igi_region_residual, trend), pairs);
     IGI_TRY_GOTO(doubt_lights(ctx, trend, m));
     double drift = r->drift / sqrt(fmax(1, (double)p->observations->frame_count));
-    double common = hypot(lamps_off, hypot(drift, CORNER_MEAN * r->vignetting));
-    double typical = median_over(r, offsetof(igi_region_residual, differ), pairs);
+    double unexplained = sqrt(fmax(0, trend * trend - USUAL_TREND * USUAL_TREND));
+    double common = hypot(hypot(lamps_off, unexplained), hypot(drift, CORNER_MEAN * r->vignetting));
     for (size_t i = 0; i < m->count; i++) {
         igi_material *region = &m->materials[i];
         if (region->emitter || !region->determined) continue;
         widen(&r->regions[i], common, p->bands, region);
-        IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], typical, p->bands, m, region));
+        IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], r->usual_differ, p->bands, m, region));
     }
 cleanup:
     igi_residuals_destroy(r);

@@ -225,8 +225,8 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     igi_stage_begin(ctx, "agreement");
-    IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
     IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, observations));
+    IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
     igi_stage_begin(ctx, "patches");
     float size = o.patch_m > 0 ? (float)o.patch_m
                                : PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);

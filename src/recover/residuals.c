@@ -253,19 +253,24 @@ static void find_camera(const camera_sums *c, igi_residuals *out)
     out->glare_error = sqrt(fmax(0, rest * a[0][0] / determinant));
 }
 
-/* Calm are diffuse regions about which photographs differ no more than about most of the surface: a
- * highlight that was missed would pass for a fault of the camera. */
-static void find_calm(const igi_residuals *r, const bool *diffuse, bool *calm)
+/* Calm are diffuse regions about which photographs differ hardly more than about the calmest quarter
+ * of the diffuse surface: a highlight that was missed would pass for a fault of the camera. */
+static void find_calm(igi_residuals *r, const bool *diffuse, bool *calm)
 {
+    double all = 0;
+    for (size_t i = 0; i < r->region_count; i++)
+        if (diffuse[i]) all += r->regions[i].sides;
+    r->usual_differ = HUGE_VAL;
     for (size_t i = 0; i < r->region_count; i++) {
-        double below = 0, all = 0;
-        for (size_t k = 0; k < r->region_count; k++) {
-            if (!diffuse[k]) continue;
-            all += r->regions[k].sides;
-            if (r->regions[k].differ * CALM < r->regions[i].differ) below += r->regions[k].sides;
-        }
-        calm[i] = diffuse[i] && (2 * below < all || r->regions[i].differ < ALWAYS_CALM);
+        double below = 0;
+        for (size_t k = 0; k < r->region_count; k++)
+            if (diffuse[k] && r->regions[k].differ <= r->regions[i].differ)
+                below += r->regions[k].sides;
+        if (diffuse[i] && 4 * below >= all)
+            r->usual_differ = fmin(r->usual_differ, r->regions[i].differ);
     }
+    for (size_t i = 0; i < r->region_count; i++)
+        calm[i] = diffuse[i] && r->regions[i].differ <= fmax(ALWAYS_CALM, CALM * r->usual_differ);
 }
 
 static void find_brightness(const igi_problem *p, double *brightness)

@@ -20,7 +20,8 @@ typedef struct igi_residuals {
     igi_region_residual *regions;
     double vignetting, vignetting_error; /* loss of light in the corners, and one deviation */
     double glare, glare_error;           /* share of all light that strays over the picture */
-    double drift;                        /* standard deviation of the photographs' gains */
+    double usual_differ; /* `differ` of the calmest quarter of the diffuse surface */
+    double drift;        /* standard deviation of the photographs' gains */
 } igi_residuals;
 
 /* diffuse[regions]: those that count for vignetting, glare and drift. */
