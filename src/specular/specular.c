@@ -21,8 +21,9 @@
 #define HINT_NOISE 0.2
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
-#define SEEN_SAMPLES 40000  /* photographs' pixels of a region whose lobe is taken out, about */
-#define RECEIVED_SAMPLES 16 /* rays of a row that look for lobes */
+#define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
+#define LEAST_RECEIVED 2   /* rays of a row that look for lobes: half of those it gathers with */
+#define MOST_RECEIVED 512
 
 typedef struct job {
     const igi_problem *problem;
@@ -75,11 +76,14 @@ static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
 {
     const igi_problem *p = j->problem;
     uint32_t side = j->rows->side[row];
-    size_t bands = (size_t)p->bands;
+    size_t bands = (size_t)p->bands, half = (j->rows->begin[row + 1] - j->rows->begin[row]) / 2;
+    int samples = half < LEAST_RECEIVED  ? LEAST_RECEIVED
+                  : half > MOST_RECEIVED ? MOST_RECEIVED
+                                         : (int)half;
     float sum[IGI_MAX_BANDS] = {0};
     uint64_t rays = 0;
     float start[2] = {igi_rng_float(rng), igi_rng_float(rng)};
-    for (int k = 0; k < RECEIVED_SAMPLES; k++) {
+    for (int k = 0; k < samples; k++) {
         uint32_t triangle;
         float u, v, x = start[0] + (float)k * 0.7548776662f,
                     y = start[1] + (float)k * 0.5698402910f;
@@ -100,7 +104,7 @@ static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
                                             igi_scale(direction, -1), rng, sum, sum);
     }
     for (size_t b = 0; b < bands; b++)
-        j->correction->received[row * bands + b] = sum[b] * IGI_PIF / (float)RECEIVED_SAMPLES;
+        j->correction->received[row * bands + b] = sum[b] * IGI_PIF / (float)samples;
     return rays;
 }
 
