@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""igi merge beside OpenCV's merging: CPU seconds and memory, each in a process of its own.
+
+usage: scripts/peers/merge_speed.py LIST|IMAGE...     8-bit photographs with EXIF, or a list of them
+
+Both read the files, recover the response and merge on one thread; OpenCV (Python's cv2) by Debevec
+and by Robertson. Memory is the most that was resident, in bytes a pixel.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+root = pathlib.Path(__file__).resolve().parent.parent.parent
+igi = root / "build/release/igi"
+PEER = """
+import cv2, sys, numpy as np
+cv2.setNumThreads(1)
+way, out, times = sys.argv[1], sys.argv[2], [float(t) for t in sys.argv[3].split(",")]
+times = np.array(times, np.float32)
+images = [cv2.imread(path) for path in sys.argv[4:]]
+curve = getattr(cv2, "createCalibrate" + way)().process(images, times)
+cv2.imwrite(out, getattr(cv2, "createMerge" + way)().process(images, times, curve))
+"""
+
+
+def measure(command):
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    if status:
+        sys.exit(f"failed: {' '.join(map(str, command[:4]))} ...")
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    import json
+    arguments = sys.argv[1:]
+    source = ["--list", arguments[0]] if arguments[0].endswith(".txt") else arguments
+    with tempfile.TemporaryDirectory() as folder:
+        ours = [igi, "merge", *source, "-o", f"{folder}/a.exr", "--response", "recovered", "-q",
+                "--threads", "1"]
+        said = json.loads(subprocess.run([*map(str, ours), "--json"], capture_output=True,
+                                         text=True, check=True).stdout)
+        pixels = said["width"] * said["height"]
+        files = [e["file"] for e in said["exposures"]]
+        times = ",".join(str(e["stated"]) for e in said["exposures"])
+        rows = [("igi", *measure([*map(str, ours)]))]
+        for way in ("Debevec", "Robertson"):
+            rows.append((f"OpenCV, {way}", *measure(
+                [sys.executable, "-c", PEER, way, f"{folder}/b.hdr", times, *files])))
+    print(f"{len(files)} photographs of {pixels / 1e6:.2f} million pixels")
+    print("| | CPU s | of igi's | MB | bytes a pixel |\n| --- | ---: | ---: | ---: | ---: |")
+    for name, cpu, memory in rows:
+        print(f"| {name} | {cpu:.2f} | {cpu / rows[0][1]:.2f} | {memory / 1e6:.0f} |"
+              f" {memory / pixels:.1f} |")
+
+
+main()
