@@ -68,6 +68,43 @@ static igi_status sort(igi_context *ctx, const char *folder, const igi_scene *sc
     return IGI_OK;
 }
 
+/* The n-th file that recovery has read, as manifest.json names it; NULL where that has none. */
+static igi_status read_input(igi_context *ctx, const char *folder, size_t n, char **path)
+{
+    char *manifest = NULL;
+    *path = NULL;
+    IGI_TRY(igi_path_join(ctx, folder, "manifest.json", &manifest));
+    json_t *root = json_load_file(manifest, 0, NULL);
+    igi_free(manifest);
+    const json_t *input = json_array_get(json_object_get(root, "inputs"), n);
+    const char *named = json_string_value(json_object_get(input, "file"));
+    igi_status status = named ? igi_strdup(ctx, named, path) : IGI_OK;
+    json_decref(root);
+    return status;
+}
+
+/* A light's file is named from the scene's folder: where scene.json was, or above a truth. One that
+ * is in neither keeps its name, for the sentence of whoever opens it. */
+static igi_status find_file(igi_context *ctx, const char *folder, igi_light *light)
+{
+    igi_status status = IGI_OK;
+    char *manifest = NULL, *scene = NULL, *path = NULL;
+    IGI_TRY_GOTO(read_input(ctx, folder, 0, &manifest));
+    if (manifest) IGI_TRY_GOTO(igi_path_folder(ctx, manifest, &scene));
+    else IGI_TRY_GOTO(igi_path_join(ctx, folder, "..", &scene));
+    IGI_TRY_GOTO(igi_path_join(ctx, scene, light->file, &path));
+    if (igi_file_exists(path)) {
+        igi_free(light->file);
+        light->file = path;
+        path = NULL;
+    }
+cleanup:
+    igi_free(path);
+    igi_free(scene);
+    igi_free(manifest);
+    return status;
+}
+
 igi_status igi_result_load(igi_context *ctx, const char *folder, igi_scene **scene,
                            igi_materials **materials)
 {
@@ -84,6 +121,8 @@ igi_status igi_result_load(igi_context *ctx, const char *folder, igi_scene **sce
     while (m->count > s->region_count) igi_material_clear(&m->materials[--m->count]);
     s->bands = m->bands;
     for (size_t i = 0; i < s->region_count; i++) s->regions[i].emitter = m->materials[i].emitter;
+    for (size_t i = 0; i < m->light_count; i++)
+        if (m->lights[i].file) IGI_TRY_GOTO(find_file(ctx, folder, &m->lights[i]));
 cleanup:
     if (status != IGI_OK) {
         igi_scene_destroy(*scene);
@@ -98,21 +137,14 @@ cleanup:
 igi_status igi_result_cameras(igi_context *ctx, const char *folder, char **path)
 {
     igi_status status = IGI_OK;
-    char *manifest = NULL, *beside = NULL;
-    json_t *root = NULL;
+    char *named = NULL;
     *path = NULL;
-    IGI_TRY_GOTO(igi_path_join(ctx, folder, "manifest.json", &manifest));
-    IGI_TRY_GOTO(igi_path_join(ctx, folder, "../transforms.json", &beside));
-    root = json_load_file(manifest, 0, NULL);
-    const json_t *third = json_array_get(json_object_get(root, "inputs"), 2);
-    const char *named = json_string_value(json_object_get(third, "file"));
-    if (!root) named = beside; /* of a truth */
-    if (!named || !igi_file_exists(named)) goto cleanup;
+    IGI_TRY_GOTO(read_input(ctx, folder, 2, &named));
+    if (!named) IGI_TRY_GOTO(igi_path_join(ctx, folder, "../transforms.json", &named)); /* truth */
+    if (!igi_file_exists(named)) goto cleanup;
     if (igi_ends_with(named, ".json")) status = igi_strdup(ctx, named, path);
     else status = igi_path_folder(ctx, named, path); /* COLMAP's */
 cleanup:
-    json_decref(root);
-    igi_free(manifest);
-    igi_free(beside);
+    igi_free(named);
     return status;
 }

@@ -74,3 +74,22 @@ expect 0 'names no mtllib' "$igi" relight room/truth --cameras room/transforms.j
 rm s.mtl
 expect 3 's\.mtl' "$igi" relight room/truth --cameras room/transforms.json --insert s.obj -o bad
 finish
+
+# A light's file is named from the scene's folder, wherever igi is run.
+printf '%s\n' IESNA:LM-63-2002 TILT=NONE '1 1000 1 2 1 1 2 0 0 0' '1 1 10' '0 180' '0' '20 20' >room/lamp.ies
+python3 - <<'END'
+import json
+lamp = {"type": "goniometric", "position": [1.5, 1.5, 2], "profile": "lamp.ies", "scale": 1.0}
+for path in "room/scene.json", "room/truth/truth.json":
+    with open(path) as file:
+        scene = json.load(file)
+    scene["lights"].append(lamp)
+    with open(path, "w") as file:
+        json.dump(scene, file)
+END
+render lamp
+holds '$4 > $1 + 3'
+expect 0 "" "$igi" recover -q room -o result --model lambert
+expect 0 "" "$igi" relight -q result --cameras room/transforms.json --samples 1 -o lamp2
+rm room/lamp.ies
+expect 3 'lamp\.ies' "$igi" relight -q result --cameras room/transforms.json --samples 1 -o lamp3
