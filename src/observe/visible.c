@@ -73,6 +73,18 @@ static void mark_neighbours(igi_visible *v, int x, int y)
         }
 }
 
+/* An edge may run through a border pixel without any ray of the picture having met its far side; a
+ * lamp that only just shows is so bright that the pixel shows little else. */
+static void mark_border(igi_visible *v)
+{
+    for (int y = 0; y < v->height; y++)
+        for (int x = 0; x < v->width; x++) {
+            bool inside = x > 0 && y > 0 && x + 1 < v->width && y + 1 < v->height;
+            uint8_t *mark = &v->near_edge[y * v->width + x];
+            if (!inside && *mark == 0) *mark = 1;
+        }
+}
+
 igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
                               const igi_camera *camera, igi_visible *visible)
 {
@@ -87,6 +99,7 @@ igi_status igi_visible_create(igi_context *ctx, const igi_scene *scene, const ig
     for (int y = 0; y < visible->height; y++)
         for (int x = 0; x < visible->width; x++)
             if (visible->near_edge[y * visible->width + x] >= 2) mark_neighbours(visible, x, y);
+    mark_border(visible);
 cleanup:
     if (status != IGI_OK) igi_visible_clear(visible);
     return status;

@@ -14,7 +14,8 @@
 typedef struct igi_visible {
     int width, height;
     igi_hit *hits;
-    uint8_t *near_edge; /* 0: clean; 1: within 2 pixels of an edge; 2: beside one; 3: beside one
+    uint8_t *
+        near_edge; /* 0: clean; 1: within 2 pixels of an edge, or on the picture's border; 2: beside one; 3: beside one
                            where the region changes or ends */
 } igi_visible;
 

@@ -226,8 +226,8 @@ static void a_veil(void)
     igi_glare glares[12];
     double mean = 0;
     size_t first = o->frame_begin[7] * 3, next = o->frame_begin[8] * 3;
-    CHECK_OK(ctx, igi_glare_estimate(ctx, scene, o, glares));
-    for (int f = 0; f < 12; f++) CHECK(glares[f].share < .04);
+    CHECK_OK(ctx, igi_observations_warn_of_glare(ctx, scene, o));
+    CHECK(o->warning_count == 0);
     for (size_t i = first; i < next; i++) mean += (double)o->radiance[i] / (double)(next - first);
     for (size_t i = first; i < next; i++) o->radiance[i] += (float)(.2 * mean);
     CHECK_OK(ctx, igi_glare_estimate(ctx, scene, o, glares));
