@@ -17,6 +17,8 @@
 #define FEWEST_FRAMES 3
 #define ROUNDS 4
 #define FEWEST_GLIMPSES 20 /* of a region, for a spread of its own */
+#define FEWEST_TO_TELL 5   /* of a region in one photograph, to say something about its gain, */
+#define FEWEST_REGIONS 3   /* and of regions that do */
 #define LEAST_SPREAD 0.01
 /* Off by more than so many spreads of the region, and by more than this. */
 #define CONTRADICTION_SIGMAS 6.0
@@ -32,6 +34,8 @@ typedef struct session {
     size_t *by_frame;      /* [frames + 1] */
     uint32_t *of_frame;    /* glimpses sorted by frame */
     double *values;        /* [glimpses] scratch */
+    double *off;           /* [glimpses] sorted by frame: from the others' middle */
+    double *voices;        /* [glimpses or regions] scratch */
     double (*weighted)[2]; /* [glimpses] */
 } session;
 
@@ -128,7 +132,8 @@ static void find_gain(session *s, size_t frame, igi_frame_agreement *out)
         const igi_glimpse *glimpse = &s->g.glimpses[s->of_frame[k]];
         if (!is_shared(s, glimpse->place)) continue;
         double spread = s->spread[s->g.region[glimpse->place]];
-        s->weighted[n][0] = (double)glimpse->value - middle_of_others(s, glimpse, s->values);
+        s->off[k] = (double)glimpse->value - middle_of_others(s, glimpse, s->values);
+        s->weighted[n][0] = s->off[k];
         s->weighted[n++][1] = 1 / (spread * spread);
         weights += 1 / (spread * spread);
     }
@@ -136,6 +141,37 @@ static void find_gain(session *s, size_t frame, igi_frame_agreement *out)
     if (n == 0) return;
     s->gain[frame] = weighted_median(s->weighted, n);
     out->gain_error = 1.2533 / sqrt(weights);
+}
+
+/* What a photograph shows of one region, against the others and its gain: into values. */
+static size_t look_at_region(const session *s, size_t frame, uint32_t region, double *values)
+{
+    size_t n = 0;
+    for (size_t k = s->by_frame[frame]; k < s->by_frame[frame + 1]; k++) {
+        uint32_t place = s->g.glimpses[s->of_frame[k]].place;
+        if (is_shared(s, place) && s->g.region[place] == region)
+            values[n++] = s->off[k] - s->gain[frame];
+    }
+    return n;
+}
+
+/* A wrong exposure is the same on every surface. What a surface that shines does to the gain differs
+ * from region to region, and is no error of its places alone. */
+static void find_gain_error(session *s, size_t frame, igi_frame_agreement *out)
+{
+    size_t voices = 0;
+    for (uint32_t r = 0; r < s->regions; r++) {
+        size_t n = look_at_region(s, frame, r, s->values);
+        if (n >= FEWEST_TO_TELL) s->voices[voices++] = fabs(median(s->values, n));
+    }
+    if (voices < FEWEST_REGIONS) {
+        for (voices = 0; voices < out->places; voices++)
+            s->voices[voices] = fabs(s->weighted[voices][0] - s->gain[frame]);
+        out->gain_error = 1.4826 * median(s->voices, voices);
+        return;
+    }
+    double scatter = 1.4826 * median(s->voices, voices);
+    out->gain_error = fmax(out->gain_error, 1.2533 * scatter / sqrt((double)voices));
 }
 
 static igi_status sort_by_frame(igi_context *ctx, session *s)
@@ -155,7 +191,10 @@ static igi_status estimate(igi_context *ctx, session *s, igi_agreement *a)
     for (int round = 0; round < ROUNDS; round++) {
         find_middles(s);
         if (round > 0) IGI_TRY(find_spreads(ctx, s));
-        for (size_t f = 0; f < s->frames; f++) find_gain(s, f, &a->frames[f]);
+        for (size_t f = 0; f < s->frames; f++) {
+            find_gain(s, f, &a->frames[f]);
+            if (round == ROUNDS - 1) find_gain_error(s, f, &a->frames[f]);
+        }
     }
     find_middles(s);
     return find_spreads(ctx, s);
@@ -216,6 +255,8 @@ igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.frames, &s.gain));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.regions, &s.spread));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count + s.frames, &s.values));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count, &s.off));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count + s.regions, &s.voices));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count, &s.weighted));
     IGI_TRY_GOTO(sort_by_frame(ctx, &s));
     IGI_TRY_GOTO(estimate(ctx, &s, a));
@@ -230,6 +271,8 @@ cleanup:
     igi_free(s.by_frame);
     igi_free(s.of_frame);
     igi_free(s.values);
+    igi_free(s.off);
+    igi_free(s.voices);
     igi_free(s.weighted);
     igi_agreement_destroy(a);
     return status;

@@ -24,8 +24,9 @@
 #define FEW_BACK 0.5
 
 /* A region of fewer clean pixels is too small to be without those near its edges: the next grade
- * of them (igi_visible) counts as well, and so on. */
-#define FEWEST_PIXELS 200
+ * of them (igi_visible) counts as well, and so on. Twenty are better than hundreds that mix. */
+#define FEWEST_PIXELS 20
+#define FEWEST_OF_PLENTY 200
 #define GRADES 4
 
 typedef struct frame_pixels {
@@ -223,7 +224,7 @@ static void drop_pixels(const job *j, frame_pixels *f, const uint8_t *highest)
 }
 
 /* Pixels near edges go, but for regions that have no others to speak of. */
-static igi_status drop_edges(igi_context *ctx, job *j, bool *mixed)
+static igi_status drop_edges(igi_context *ctx, job *j, bool *scarce)
 {
     size_t regions = j->scene->region_count, *counts = NULL;
     uint8_t *highest = NULL;
@@ -237,10 +238,10 @@ static igi_status drop_edges(igi_context *ctx, job *j, bool *mixed)
         }
     for (size_t r = 0; r < regions; r++) {
         size_t sum = counts[r * GRADES];
+        scarce[r] = sum < FEWEST_OF_PLENTY;
         while (sum < FEWEST_PIXELS && highest[r] + 1 < GRADES)
             sum += counts[r * GRADES + ++highest[r]];
         if (j->scene->regions[r].emitter) highest[r] = 0; /* a lamp's edges are the worst */
-        mixed[r] = highest[r] > 0;
     }
     for (size_t k = 0; k < j->scene->frame_count; k++) drop_pixels(j, &j->frames[k], highest);
 cleanup:
@@ -326,8 +327,8 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &o->mixed));
-    IGI_TRY_GOTO(drop_edges(ctx, &j, o->mixed));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &o->scarce));
+    IGI_TRY_GOTO(drop_edges(ctx, &j, o->scarce));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
     *observations = o;
     o = NULL;
@@ -377,7 +378,7 @@ void igi_observations_destroy(igi_observations *observations)
     igi_free(observations->registrations);
     igi_free(observations->saturated);
     igi_free(observations->frame_begin);
-    igi_free(observations->mixed);
+    igi_free(observations->scarce);
     igi_free(observations->surface);
     igi_free(observations->uv);
     igi_free(observations->pixel);

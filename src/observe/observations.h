@@ -31,7 +31,7 @@ typedef struct igi_observations {
     float *uv;           /* [count][2] barycentric */
     uint32_t *pixel;     /* [count] row * width + column in its frame */
     float *radiance;     /* [count][bands], W m^-2 sr^-1 */
-    bool *mixed;         /* [regions] too small for clean pixels: known by those near its edges */
+    bool *scarce;        /* [regions] few clean pixels, or none but those near its edges */
     igi_registration *registrations; /* [frame_count] */
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t warning_count;

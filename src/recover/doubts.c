@@ -9,7 +9,6 @@
 #include "recover/residuals.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* Limits: several times what rooms show where nothing is wrong (igi chart stability). */
 #define LAMP_OFF 0.005
@@ -17,7 +16,8 @@
 #define LAMP_WRONG 0.1 /* a lamp that is off by more is no small error of its value */
 #define FEWEST_LAMP_PIXELS 20
 #define MOST_ALBEDO 1.0
-#define TREND 0.015
+#define TREND 0.03
+#define FEWEST_REGIONS 3 /* that tell of one */
 #define USUAL_TREND 0.005
 #define VIEWS_DIFFER 0.006
 #define VIEWS_DIFFER_TIMES 3.0 /* what the calmest regions have */
@@ -40,17 +40,19 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Median over the regions' surface; `pairs` is scratch. */
-static double median_over(const igi_residuals *r, size_t field, double (*pairs)[2])
+/* Median over the calm regions' surface: a lobe that was missed looks like a trend, too. `pairs` is
+ * scratch. */
+static double typical_trend(const igi_residuals *r, double (*pairs)[2])
 {
     size_t n = 0;
     double all = 0, below = 0;
     for (size_t i = 0; i < r->region_count; i++) {
-        if (r->regions[i].sides < FEWEST_SIDES) continue;
-        memcpy(&pairs[n][0], (const char *)&r->regions[i] + field, sizeof(double));
+        if (r->regions[i].sides < FEWEST_SIDES || !r->regions[i].calm) continue;
+        pairs[n][0] = r->regions[i].trend;
         pairs[n++][1] = r->regions[i].sides;
         all += r->regions[i].sides;
     }
+    if (n < FEWEST_REGIONS) return 0;
     qsort(pairs, n, sizeof *pairs, compare_doubles);
     for (size_t i = 0; i < n; i++) {
         below += pairs[i][1];
@@ -215,7 +217,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, diffuse, &r));
     IGI_TRY_GOTO(doubt_lamps(ctx, p, m, &lamps_off));
     IGI_TRY_GOTO(doubt_camera(ctx, r, m));
-    double trend = median_over(r, offsetof(igi_region_residual, trend), pairs);
+    double trend = typical_trend(r, pairs);
     IGI_TRY_GOTO(doubt_lights(ctx, trend, m));
     double drift = r->drift / sqrt(fmax(1, (double)p->observations->frame_count));
     double unexplained = sqrt(fmax(0, trend * trend - USUAL_TREND * USUAL_TREND));

@@ -20,6 +20,7 @@
 
 #define FEWEST_SIDES 12
 #define FEWEST_PIXELS 30 /* of one photograph on one region */
+#define PATTERN 0.25     /* share of a pattern's variance that may be a trend */
 #define CALM 2.0
 #define ALWAYS_CALM 0.002
 #define OUTLIER 0.5 /* a pixel off by more is no word about the camera */
@@ -90,7 +91,9 @@ static void solve_plane(double a[3][3], double b[3])
     }
 }
 
-/* Explained variance, less what scatter alone would explain. */
+/* Explained variance, less what scatter alone would explain at the most: that is a chi-square of
+ * three degrees of freedom, 3 + 3 sqrt(6) at three sigma. The scatter of a pattern is no noise, and
+ * some of it may well be a trend. */
 static double trend_of(region_sums *s)
 {
     double slope[3];
@@ -99,7 +102,8 @@ static double trend_of(region_sums *s)
     solve_plane(s->product, slope);
     double explained = 0, all = s->square / s->weight;
     for (int k = 0; k < 3; k++) explained += slope[k] * s->slope[k] / s->weight;
-    return sqrt(fmax(0, explained - 3 * fmax(0, all - explained) / s->sides));
+    double rest = fmax(0, all - explained);
+    return sqrt(fmax(0, explained - rest * fmax(10.3 / s->sides, PATTERN)));
 }
 
 static igi_status find_trends(igi_context *ctx, const igi_problem *p, const igi_field *field,
@@ -141,8 +145,8 @@ typedef struct camera_sums {
 
 typedef struct viewer {
     const igi_problem *p;
-    bool *calm;  /* [regions] they count for the camera; set after a first round */
-    bool second; /* round */
+    const igi_region_residual *regions; /* the calm ones count for the camera, */
+    bool second;                        /* in a second round */
     size_t frames;
     view_sums *views;   /* [regions][frames] */
     view_sums *all;     /* [frames] of diffuse regions */
@@ -200,7 +204,7 @@ static void look_at_side(viewer *v, uint32_t side)
            next = p->site_begin[side + 1];
     double mean = mean_of(p->seen + side * (size_t)p->bands, p->bands), radius = 0, light = 0;
     if (!(mean > 0) || !is_shared(p, side)) return;
-    bool counts = v->second && v->calm[region];
+    bool counts = v->second && v->regions[region].calm;
     if (v->second && !counts) return;
     for (size_t k = first; k < next && counts; k++) {
         size_t f = igi_observation_frame(p->observations, p->order[k]);
@@ -255,7 +259,7 @@ static void find_camera(const camera_sums *c, igi_residuals *out)
 
 /* Calm are diffuse regions about which photographs differ hardly more than about the calmest quarter
  * of the diffuse surface: a highlight that was missed would pass for a fault of the camera. */
-static void find_calm(igi_residuals *r, const bool *diffuse, bool *calm)
+static void find_calm(igi_residuals *r, const bool *diffuse)
 {
     double all = 0;
     for (size_t i = 0; i < r->region_count; i++)
@@ -270,7 +274,8 @@ static void find_calm(igi_residuals *r, const bool *diffuse, bool *calm)
             r->usual_differ = fmin(r->usual_differ, r->regions[i].differ);
     }
     for (size_t i = 0; i < r->region_count; i++)
-        calm[i] = diffuse[i] && r->regions[i].differ <= fmax(ALWAYS_CALM, CALM * r->usual_differ);
+        r->regions[i].calm = diffuse[i] &&
+                             r->regions[i].differ <= fmax(ALWAYS_CALM, CALM * r->usual_differ);
 }
 
 static void find_brightness(const igi_problem *p, double *brightness)
@@ -293,18 +298,17 @@ static igi_status compare_views(igi_context *ctx, const igi_problem *p, const bo
                                 igi_residuals *out)
 {
     igi_status status = IGI_OK;
-    viewer v = {.p = p, .frames = p->observations->frame_count};
+    viewer v = {.p = p, .regions = out->regions, .frames = p->observations->frame_count};
     double unused = 0;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, v.frames * out->region_count, &v.views));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, v.frames, &v.all));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, out->region_count, &v.calm));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, v.frames, &v.brightness));
     find_brightness(p, v.brightness);
     look_at_all(&v);
     for (size_t r = 0; r < out->region_count; r++)
         differ(v.views + r * v.frames, v.frames, &out->regions[r].differ,
                &out->regions[r].mean_error);
-    find_calm(out, diffuse, v.calm);
+    find_calm(out, diffuse);
     v.second = true;
     look_at_all(&v);
     differ(v.all, v.frames, &out->drift, &unused);
@@ -312,7 +316,6 @@ static igi_status compare_views(igi_context *ctx, const igi_problem *p, const bo
 cleanup:
     igi_free(v.views);
     igi_free(v.all);
-    igi_free(v.calm);
     igi_free(v.brightness);
     return status;
 }

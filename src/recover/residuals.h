@@ -10,6 +10,7 @@
 /* All relative: of 1. */
 typedef struct igi_region_residual {
     double sides;      /* how many of its patches' sides tell */
+    bool calm;         /* diffuse, and photographs of it differ no more than usual */
     double trend;      /* standard deviation of a plane fitted to the albedos of its sides */
     double differ;     /* standard deviation between the photographs of it, beyond their noise, */
     double mean_error; /* and what that does to the mean over them */

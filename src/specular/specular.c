@@ -279,7 +279,7 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
     if (allowed > 2) allowed = 2; /* Phong's lobe is like enough to Ward's to be found by it */
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
-        if (p->observations->mixed[r]) continue; /* its neighbours' light would pass for a lobe */
+        if (p->observations->scarce[r]) continue; /* its neighbours' light would pass for a lobe */
         igi_lobe_estimate *e = &s->specular->estimates[r];
         IGI_TRY(glance_at_region(ctx, s, r, options, models[0]));
         if (is_hinted(e)) {

@@ -132,7 +132,7 @@ static void a_spoilt_piece(void)
     igi_observations *o = observe();
     size_t kept = pixels_of(o, 11), spoilt = pixels_of(o, 10);
     for (size_t i = o->frame_begin[10]; i < o->frame_begin[11]; i++)
-        if (o->pixel[i] % 160 > 50 && o->pixel[i] % 160 < 110 && o->pixel[i] / 160 < 60)
+        if (o->pixel[i] % 160 > 20 && o->pixel[i] % 160 < 140 && o->pixel[i] / 160 < 80)
             for (int b = 0; b < 3; b++) o->radiance[3 * i + (size_t)b] *= .1f;
     size_t count = o->count;
     uint32_t next = o->pixel[o->frame_begin[11]];

@@ -188,6 +188,7 @@ static void head(void)
     CHECK_REFUSED(IGI_E_DATA, "scene.json:2: \"mesh\": no readable file " FOLDER "/none.obj");
     write_text("scene.json", "{ \"igi\": 1, \"mesh\": \"scene.obj\" }");
     CHECK_REFUSED(IGI_E_DATA, "\"cameras\": is missing");
+    (void)remove(FOLDER "/b.json"); /* of an earlier run */
     write_text("scene.json", "{ \"igi\": 1, \"mesh\": \"scene.obj\", \"cameras\": "
                              "\"transforms.json\",\n \"brackets\": \"b.json\" }");
     CHECK_REFUSED(IGI_E_DATA, "scene.json:2: \"brackets\": no readable file " FOLDER "/b.json");
