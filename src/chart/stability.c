@@ -8,6 +8,7 @@
  */
 #include "chart/trial.h"
 
+#include "base/order.h"
 #include "base/parallel.h"
 
 #include <igi/output.h>
@@ -191,12 +192,6 @@ static igi_status run_trial(igi_context *ctx, void *user, size_t index, int work
     return chart_trial_run(ctx, s->work, index, s->trials[index]);
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The median of a field over the trials of a point that have it. */
 static double median_of(const study *s, const chart_sweep *sweep, size_t point, size_t field,
                         double *values)
@@ -209,7 +204,7 @@ static double median_of(const study *s, const chart_sweep *sweep, size_t point, 
         if (t->sweep == sweep && t->point == point && !t->skipped && !isnan(x)) values[count++] = x;
     }
     if (count == 0) return (double)NAN;
-    qsort(values, count, sizeof *values, compare_doubles);
+    qsort(values, count, sizeof *values, igi_compare_doubles);
     return (values[(count - 1) / 2] + values[count / 2]) / 2;
 }
 
@@ -222,7 +217,7 @@ static double too_wrong(const study *s, const chart_sweep *sweep, double *values
         if (t->sweep == sweep && !isnan(t->unperturbed->albedo))
             values[count++] = t->unperturbed->albedo;
     }
-    qsort(values, count, sizeof *values, compare_doubles);
+    qsort(values, count, sizeof *values, igi_compare_doubles);
     double usual = count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : 0;
     return fmax(TOO_WRONG, WORSE * usual);
 }

@@ -6,6 +6,7 @@
  * from the others'. The worst such view is left out and the rest fitted again, until none does.
  */
 #include "base/context.h"
+#include "base/order.h"
 #include "bridge/opencv.h"
 #include "lens/lens_private.h"
 
@@ -64,12 +65,6 @@ cleanup:
     return status;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* One fit to the views in use. rms[k]: of the k-th of them. */
 static igi_status fit(igi_context *ctx, const session *s, igi_calibration *c, float *packed,
                       double *rms)
@@ -105,7 +100,7 @@ static bool drop_worst(session *s, igi_calibration *c, const double *rms, double
         count++;
         if (!s->used[worst] || view->rms_px > c->views[s->view[worst]].rms_px) worst = v;
     }
-    qsort(sorted, count, sizeof *sorted, by_value);
+    qsort(sorted, count, sizeof *sorted, igi_compare_doubles);
     if (count <= LEAST_VIEWS || sorted[count - 1] <= BAD_RATIO * sorted[count / 2]) return false;
     s->used[worst] = false;
     return true;

@@ -7,6 +7,7 @@
  * disagree strongly (dust, a shadow of the photographer) lose weight (Tukey's biweight).
  */
 #include "base/context.h"
+#include "base/order.h"
 #include "base/solve.h"
 #include "lens/lens_private.h"
 
@@ -94,19 +95,13 @@ static double search_centre(const samples *s, double *cx, double *cy, double p[4
     return best;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Biweights from the residuals; `scratch` has room for them. */
 static void reweight(const samples *s, double cx, double cy, const double p[4], double *scratch)
 {
     double *residuals = scratch, *sorted = scratch + s->count;
     for (size_t i = 0; i < s->count; i++) residuals[i] = fabs(residual(s, i, cx, cy, p));
     memcpy(sorted, residuals, s->count * sizeof *sorted);
-    qsort(sorted, s->count, sizeof *sorted, by_value);
+    qsort(sorted, s->count, sizeof *sorted, igi_compare_doubles);
     double width = 6 * sorted[s->count / 2] / .6745 + 1e-9 * fabs(p[0]);
     for (size_t i = 0; i < s->count; i++) {
         double u = residuals[i] / width;

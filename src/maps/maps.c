@@ -8,6 +8,7 @@
  */
 #include "maps/maps_private.h"
 
+#include "base/order.h"
 #include "base/parallel.h"
 #include "scene/atlas.h"
 
@@ -113,12 +114,6 @@ static float uv_per_metre(const igi_layout *layout, uint32_t triangle)
     return surface > 0 ? sqrtf(area / surface) : 0;
 }
 
-static int compare_floats(const void *pa, const void *pb)
-{
-    float a = *(const float *)pa, b = *(const float *)pb;
-    return a < b ? -1 : a > b;
-}
-
 static int power_of_two(float texels, int largest)
 {
     int size = SMALLEST;
@@ -147,7 +142,7 @@ static igi_status fine_size(igi_context *ctx, const job *j, uint32_t region, int
                                             o->uv[2 * i + 1]) *
                               uv_per_metre(j->layout, igi_surface_triangle(o->surface[i]));
         }
-    qsort(prints, count, sizeof *prints, compare_floats);
+    qsort(prints, count, sizeof *prints, igi_compare_floats);
     *size = count > 0 && prints[count / 4] > 0 ? power_of_two(1 / prints[count / 4], LARGEST)
                                                : SMALLEST;
     igi_free(prints);

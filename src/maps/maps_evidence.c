@@ -14,6 +14,8 @@
  */
 #include "maps/maps_private.h"
 
+#include "base/order.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -133,15 +135,9 @@ static bool deviate(const evidence *e, const patch *p, float *product, float *si
     return true;
 }
 
-static int compare_floats(const void *pa, const void *pb)
-{
-    float a = *(const float *)pa, b = *(const float *)pb;
-    return a < b ? -1 : a > b;
-}
-
 static float median(float *values, size_t count)
 {
-    qsort(values, count, sizeof *values, compare_floats);
+    qsort(values, count, sizeof *values, igi_compare_floats);
     return values[count / 2];
 }
 

@@ -11,6 +11,8 @@
 
 #include "observe/glimpses.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -39,16 +41,10 @@ typedef struct session {
     double (*weighted)[2]; /* [glimpses] */
 } session;
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median(double *values, size_t count)
 {
     if (count == 0) return 0;
-    qsort(values, count, sizeof *values, compare_doubles);
+    qsort(values, count, sizeof *values, igi_compare_doubles);
     return (values[(count - 1) / 2] + values[count / 2]) / 2;
 }
 
@@ -56,7 +52,7 @@ static double median(double *values, size_t count)
 static double weighted_median(double (*pairs)[2], size_t count)
 {
     double all = 0, below = 0;
-    qsort(pairs, count, sizeof *pairs, compare_doubles);
+    qsort(pairs, count, sizeof *pairs, igi_compare_doubles);
     for (size_t i = 0; i < count; i++) all += pairs[i][1];
     for (size_t i = 0; i < count; i++) {
         below += pairs[i][1];

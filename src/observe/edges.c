@@ -11,6 +11,8 @@
  */
 #include "observe/edges.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -167,12 +169,6 @@ static double residual_of(const edge *e, const double shift[2])
     return e->offset - shift[e->axis] + e->slope * shift[1 - e->axis];
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* One step of reweighted least squares; the inverse of its matrix is the covariance of `shift` for
  * residuals of variance 1. */
 static bool improve(const scan *s, double shift[2], double inverse[3])
@@ -206,7 +202,7 @@ static igi_status fit(igi_context *ctx, const scan *s, igi_registration *r)
         }
     IGI_TRY(IGI_ALLOC(ctx, s->count, &distances));
     for (size_t i = 0; i < s->count; i++) distances[i] = fabs(residual_of(&s->edges[i], r->offset));
-    qsort(distances, s->count, sizeof *distances, compare_doubles);
+    qsort(distances, s->count, sizeof *distances, igi_compare_doubles);
     r->residual = distances[s->count / 2];
     r->offset_error = 1.4826 * r->residual * sqrt(fmax(inverse[0], inverse[2]));
     r->edges = s->count;

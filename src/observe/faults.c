@@ -10,6 +10,8 @@
 
 #include "observe/glare.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,12 +33,6 @@
 #define KNOWN_PX 0.3 /* error of an offset that counts for all */
 #define FEWEST_KNOWN 3
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double offset_of(const igi_registration *r)
 {
     return hypot(r->offset[0], r->offset[1]);
@@ -54,7 +50,7 @@ static igi_status find_offsets(igi_context *ctx, const igi_observations *o, igi_
         if (r->offset_error < KNOWN_PX) offsets[n++] = offset_of(r);
         f->frames[i].off = offset_of(r) > OFF_PX + OFF_SIGMAS * r->offset_error;
     }
-    qsort(offsets, n, sizeof *offsets, compare_doubles);
+    qsort(offsets, n, sizeof *offsets, igi_compare_doubles);
     if (n > 0) f->offset_px = offsets[n / 2];
     f->all_off = n >= FEWEST_KNOWN && f->offset_px > ALL_OFF_PX;
     igi_free(offsets);
@@ -88,12 +84,12 @@ static igi_status find_drift(igi_context *ctx, const igi_agreement *a, igi_fault
     IGI_TRY(IGI_ALLOC(ctx, f->frame_count, &values));
     for (size_t i = 0; i < f->frame_count; i++)
         if (counts(a, f, i)) values[n++] = fabs(log(a->frames[i].gain));
-    qsort(values, n, sizeof *values, compare_doubles);
+    qsort(values, n, sizeof *values, igi_compare_doubles);
     f->gain_spread = n > 0 ? 1.4826 * values[n / 2] : 0;
     n = 0;
     for (size_t i = 0; i < f->frame_count; i++)
         if (counts(a, f, i)) values[n++] = a->frames[i].gain_error;
-    qsort(values, n, sizeof *values, compare_doubles);
+    qsort(values, n, sizeof *values, igi_compare_doubles);
     error = n > 0 ? values[n / 2] : 0;
     f->drifts = n > 1 && f->gain_spread > DRIFT && f->gain_spread > DRIFT_SIGMAS * error;
     igi_free(values);

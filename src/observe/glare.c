@@ -11,6 +11,8 @@
 
 #include "observe/glimpses.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,16 +37,10 @@ typedef struct session {
     double *voices; /* [regions] scratch */
 } session;
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double quantile(double *values, size_t count, double share)
 {
     if (count == 0) return 0;
-    qsort(values, count, sizeof *values, by_value);
+    qsort(values, count, sizeof *values, igi_compare_doubles);
     return values[(size_t)(share * (double)count)];
 }
 

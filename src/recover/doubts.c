@@ -8,6 +8,8 @@
 
 #include "recover/residuals.h"
 
+#include "base/order.h"
+
 #include <stdlib.h>
 
 /* Limits: several times what rooms show where nothing is wrong (igi chart stability). */
@@ -34,12 +36,6 @@ static igi_status warn(igi_context *ctx, igi_materials *m, igi_material *region,
                   : igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median over the calm regions' surface: a lobe that was missed looks like a trend, too. `pairs` is
  * scratch. */
 static double typical_trend(const igi_residuals *r, double (*pairs)[2])
@@ -53,7 +49,7 @@ static double typical_trend(const igi_residuals *r, double (*pairs)[2])
         all += r->regions[i].sides;
     }
     if (n < FEWEST_REGIONS) return 0;
-    qsort(pairs, n, sizeof *pairs, compare_doubles);
+    qsort(pairs, n, sizeof *pairs, igi_compare_doubles);
     for (size_t i = 0; i < n; i++) {
         below += pairs[i][1];
         if (2 * below >= all) return pairs[i][0];

@@ -6,6 +6,7 @@
  * fit (a shadow taken for an edge) has no say in the second.
  */
 #include "base/context.h"
+#include "base/order.h"
 #include "bridge/least_squares.h"
 #include "register/register_private.h"
 #include "scene/camera.h"
@@ -166,12 +167,6 @@ static bool residuals(void *user, size_t block, const double *x, double *r, doub
     return isfinite(r[0]);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The robust standard deviation of distances times weights. */
 static igi_status spread_of(igi_context *ctx, const problem *p, const double *change, bool weighted,
                             double *spread)
@@ -189,7 +184,7 @@ static igi_status spread_of(igi_context *ctx, const problem *p, const double *ch
             if (isfinite(d)) all[count++] = d;
         }
     }
-    qsort(all, count, sizeof *all, by_value);
+    qsort(all, count, sizeof *all, igi_compare_doubles);
     if (count) *spread = 1.4826 * all[count / 2];
     igi_free(all);
     return IGI_OK;

@@ -6,6 +6,7 @@
  */
 #include "render/layers.h"
 
+#include "base/order.h"
 #include "base/rng.h"
 
 #include <math.h>
@@ -126,12 +127,6 @@ igi_status layered_frame_join(igi_context *ctx, const layered_frame *f, igi_imag
     return IGI_OK;
 }
 
-static int compare_floats(const void *pa, const void *pb)
-{
-    float a = *(const float *)pa, b = *(const float *)pb;
-    return (a > b) - (a < b);
-}
-
 igi_status layered_frame_exposure(igi_context *ctx, const layered_frame *f, float *exposure)
 {
     const igi_image *picture = f->layers[LAYER_PICTURE];
@@ -141,7 +136,7 @@ igi_status layered_frame_exposure(igi_context *ctx, const layered_frame *f, floa
     for (size_t i = 0; i < pixels; i++)
         for (int b = 0; b < f->bands; b++)
             means[i] += picture->samples[i * (size_t)f->bands + (size_t)b] / (float)f->bands;
-    qsort(means, pixels, sizeof *means, compare_floats);
+    qsort(means, pixels, sizeof *means, igi_compare_floats);
     float white = means[pixels * 95 / 100];
     *exposure = white > 0 ? 0.8f / white : 1;
     igi_free(means);

@@ -4,6 +4,7 @@
  */
 #include "report/colour.h"
 
+#include "base/order.h"
 #include "material/material.h"
 
 #include <igi/report.h>
@@ -37,12 +38,6 @@ static float brightness(const float *pixel, int bands)
     return sum / (float)bands;
 }
 
-static int compare_floats(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 /* One exposure for all views, from every 16th pixel of every photograph shown. */
 static igi_status find_exposure(writer *w, igi_image *const *photos, int count)
 {
@@ -59,7 +54,7 @@ static igi_status find_exposure(writer *w, igi_image *const *photos, int count)
             if (isfinite(x) && x > 0) values[found++] = x;
         }
     }
-    qsort(values, found, sizeof *values, compare_floats);
+    qsort(values, found, sizeof *values, igi_compare_floats);
     w->exposure = found ? MIDDLE / values[found / 2] : 1;
     igi_free(values);
     return IGI_OK;
@@ -121,7 +116,7 @@ static igi_status paint_difference(const writer *w, const igi_image *photo,
         sizes[found++] = fabsf(difference);
         igi_ramp_colour(igi_ramp_spread, .5f + .5f * difference / LIMIT, pixels + 3 * p);
     }
-    qsort(sizes, found, sizeof *sizes, compare_floats);
+    qsort(sizes, found, sizeof *sizes, igi_compare_floats);
     *median = found ? (double)sizes[found / 2] : (double)NAN;
     igi_free(sizes);
     return IGI_OK;

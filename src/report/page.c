@@ -4,6 +4,8 @@
  */
 #include "report/page.h"
 
+#include "base/order.h"
+
 #include <igi/output.h>
 #include <igi/report.h>
 
@@ -73,12 +75,6 @@ cleanup:
     return status;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The middle one of the determined regions' relative sigmas; NaN when there is none. */
 static double typical_share(const igi_page *page, size_t *determined, size_t *surfaces)
 {
@@ -92,7 +88,7 @@ static double typical_share(const igi_page *page, size_t *determined, size_t *su
         if (m->determined && count < 512)
             shares[count++] = igi_material_share(m, page->materials->bands);
     }
-    qsort(shares, count, sizeof *shares, compare_doubles);
+    qsort(shares, count, sizeof *shares, igi_compare_doubles);
     return count ? shares[count / 2] : (double)NAN;
 }
 

@@ -6,6 +6,8 @@
 
 #include "report/resample.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -34,12 +36,6 @@ static float mean_of(const float *x, int count)
     return sum / (float)count;
 }
 
-static int compare_floats(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 /* A round number that 98 % of the sigmas of determined texels do not exceed: 1, 2 or 5 times a
  * power of ten. */
 static igi_status find_top(const igi_page *page, const igi_image *map, const igi_image *sigma,
@@ -53,7 +49,7 @@ static igi_status find_top(const igi_page *page, const igi_image *map, const igi
         bool determined = map->samples[(p + 1) * (size_t)map->channels - 1] >= .5f;
         if (determined && isfinite(x)) values[count++] = x;
     }
-    qsort(values, count, sizeof *values, compare_floats);
+    qsort(values, count, sizeof *values, igi_compare_floats);
     double most = fmax((double)values[count * 98 / 100], 1e-4);
     double power = pow(10, floor(log10(most))), digits = most / power;
     *top = (float)(power * (digits <= 1 ? 1 : digits <= 2 ? 2 : digits <= 5 ? 5 : 10));

@@ -5,6 +5,8 @@
  */
 #include "report/resample.h"
 
+#include "base/order.h"
+
 #include <igi/report.h>
 
 #include <math.h>
@@ -20,17 +22,11 @@ static double relative(double got, double want)
     return fabs(got - want) / fmax(want, FLOOR);
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Sorts; the mean of the middle two when the count is even; NaN of nothing. */
 static double median(double *x, size_t count)
 {
     if (count == 0) return (double)NAN;
-    qsort(x, count, sizeof *x, compare_doubles);
+    qsort(x, count, sizeof *x, igi_compare_doubles);
     return (x[(count - 1) / 2] + x[count / 2]) / 2;
 }
 

@@ -17,6 +17,8 @@
  */
 #include "specular/lobe_profile.h"
 
+#include "base/order.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -127,16 +129,10 @@ static double prediction(const igi_profile *f, const igi_profile_column *c, doub
            specular * s + base;
 }
 
-static int compare_floats(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 static double median_of(float *x, size_t n)
 {
     if (n == 0) return 0;
-    qsort(x, n, sizeof *x, compare_floats);
+    qsort(x, n, sizeof *x, igi_compare_floats);
     return (double)x[n / 2];
 }
 

@@ -8,6 +8,7 @@
  */
 #include "specular/yu99.h"
 
+#include "base/order.h"
 #include "brdf/brdf.h"
 
 #include <stdlib.h>
@@ -128,12 +129,6 @@ static trial polish(const fitter *f, trial best)
     return best;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* New weights from the residuals of `t`. */
 static void reweight(const fitter *f, const trial *t)
 {
@@ -149,7 +144,7 @@ static void reweight(const fitter *f, const trial *t)
         f->weight[i] = 1 / (scale * scale);
         f->scaled[i] = residual[i] = fabs((double)s->radiance[i] - predicted) / scale;
     }
-    qsort(f->scaled, f->values, sizeof *f->scaled, compare_doubles);
+    qsort(f->scaled, f->values, sizeof *f->scaled, igi_compare_doubles);
     double limit = 3 * 1.4826 * f->scaled[f->values / 2];
     for (size_t i = 0; i < f->values && limit > 0; i++)
         if (residual[i] > limit) f->weight[i] *= limit / residual[i];
