@@ -37,9 +37,9 @@ static const char *read_lines(const char *at, int count, double *values)
     for (int i = 0; i < count; i++) {
         const char *number = at;
         if (!at) return NULL;
-        values[i] = NAN;
+        values[i] = (double)NAN;
         while (*number == ' ' || *number == '\t') number++;
-        if (!igi_scan_number(&number, &values[i])) values[i] = NAN;
+        if (!igi_scan_number(&number, &values[i])) values[i] = (double)NAN;
         at = next_line(at);
     }
     return at;

@@ -69,13 +69,13 @@ static double taken(const igi_profile *f, size_t band)
 
 static void judge(igi_profile *f, const igi_lobe_table *t, term *terms, igi_lobe_doubt *doubt)
 {
-    double misfit[ALPHAS], squares[ALPHAS][IGI_MAX_BANDS], least = INFINITY, total = 0;
+    double misfit[ALPHAS], squares[ALPHAS][IGI_MAX_BANDS], least = (double)INFINITY, total = 0;
     double temper = 0; /* how much less the residuals tell than if they were independent */
     memset(doubt, 0, sizeof *doubt);
     for (size_t a = 0; a < ALPHAS; a++) {
         igi_profile_column c = igi_profile_column_of(f, t, a);
         igi_profile_outcome o = igi_profile_evaluate(f, &c);
-        double sum = scatter(f, &c, o.specular, terms), sigma = INFINITY;
+        double sum = scatter(f, &c, o.specular, terms), sigma = (double)INFINITY;
         if (o.information > 0) sigma = sqrt(fmax(o.information, sum)) / o.information;
         temper += (o.information > 0 ? fmax(1, sum / o.information) : 1) / ALPHAS;
         misfit[a] = o.misfit;
