@@ -10,12 +10,22 @@
 #include <spawn.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 extern char **environ;
 
+igi_status chart_table_begin(igi_context *ctx, const char *folder, const char *name,
+                             const char *columns, igi_file *table)
+{
+    char *path = NULL;
+    IGI_TRY(igi_strprintf(ctx, &path, "%s/%s", folder, name));
+    igi_status status = igi_file_begin(ctx, path, table);
+    igi_free(path);
+    if (status == IGI_OK) fprintf(table->stream, "%s\n", columns);
+    return status;
+}
+
 igi_status chart_plot_begin(igi_context *ctx, const char *folder, const char *name, int width,
-                            int height, FILE **script)
+                            int height, igi_file *script)
 {
     static const char head[] = "set encoding utf8\n"
                                "set datafile separator ','\n"
@@ -34,14 +44,11 @@ igi_status chart_plot_begin(igi_context *ctx, const char *folder, const char *na
                                "set linetype 8 lc rgb '#000000' lw 2 pt 2 ps .7\n";
     char *path = NULL;
     IGI_TRY(igi_strprintf(ctx, &path, "%s/%s.gp", folder, name));
-    igi_status status = IGI_OK;
-    *script = fopen(path, "w");
-    if (!*script)
-        status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno));
+    igi_status status = igi_file_begin(ctx, path, script);
     igi_free(path);
-    if (status != IGI_OK) return status;
-    fprintf(*script, "# Draws %s.svg and %s.png: gnuplot %s.gp\n%s", name, name, name, head);
-    fprintf(*script,
+    IGI_TRY(status);
+    fprintf(script->stream, "# Draws %s.svg and %s.png: gnuplot %s.gp\n%s", name, name, name, head);
+    fprintf(script->stream,
             "do for [picture in 'svg png'] {\n"
             "if (picture eq 'svg') { set terminal svg size %d,%d font 'DejaVu Sans,13' "
             "background '#ffffff' } else { set terminal pngcairo size %d,%d font "
@@ -141,12 +148,9 @@ cleanup:
     return status;
 }
 
-igi_status chart_plot_end(igi_context *ctx, const char *folder, const char *name, FILE *script)
+igi_status chart_plot_end(igi_context *ctx, const char *folder, const char *name, igi_file *script)
 {
-    fputs("unset output\n}\n", script);
-    bool whole = !ferror(script);
-    if (fclose(script) || !whole)
-        return igi_fail(ctx, IGI_E_SYSTEM, "%s/%s.gp: could not be written; is the disk full?",
-                        folder, name);
+    fputs("unset output\n}\n", script->stream);
+    IGI_TRY(igi_file_end(ctx, script, IGI_OK));
     return draw(ctx, folder, name);
 }

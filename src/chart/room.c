@@ -4,12 +4,11 @@
  * and seed lie in the same folder, so that sweeps share it and a cache can keep it.
  */
 #include "chart/sweep.h"
+#include "base/file.h"
 
 #include <igi/output.h>
 #include <igi/synth.h>
 
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -127,23 +126,13 @@ cleanup:
     return status;
 }
 
-static igi_status write_text(igi_context *ctx, const char *path, const char *text)
-{
-    FILE *file = fopen(path, "wb");
-    bool good = file && fputs(text, file) >= 0;
-    if (file) good = fclose(file) == 0 && good;
-    if (good) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
-                    path, strerror(errno));
-}
-
 static igi_status render(igi_context *ctx, const chart_room *room, const char *folder)
 {
     igi_status status = IGI_OK;
     igi_context *own = NULL;
     char *spec = NULL;
     IGI_TRY_GOTO(igi_strprintf(ctx, &spec, "%s/spec.json", folder));
-    IGI_TRY_GOTO(write_text(ctx, spec, room->spec));
+    IGI_TRY_GOTO(igi_file_save(ctx, spec, room->spec, strlen(room->spec)));
     IGI_TRY_GOTO(chart_own_context(ctx, room->seed, &own));
     status = igi_synth(own, spec, folder);
     if (status != IGI_OK) status = igi_fail(ctx, status, "%s", igi_context_message(own));

@@ -3,6 +3,7 @@
  * Error against the number of parameters, a panel a scene.
  */
 #include "chart/speed_plot.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,7 +66,7 @@ static void put_labels(FILE *script, const spare_rows *rows, const char *scene, 
 
 igi_status chart_spare_draw(igi_context *ctx, const spare_rows *rows, const char *folder)
 {
-    FILE *script;
+    igi_file script;
     size_t scenes = 0, most = 1;
     double low = (double)INFINITY, high = 0;
     for (size_t i = 0; i < rows->count; i++) {
@@ -79,7 +80,7 @@ igi_status chart_spare_draw(igi_context *ctx, const spare_rows *rows, const char
     if (!(high > 0)) return IGI_OK;
     IGI_TRY(chart_plot_begin(ctx, folder, "parsimony", (int)scenes * PANEL_WIDTH + 40,
                              PANEL_HEIGHT + 30, &script));
-    fprintf(script,
+    fprintf(script.stream,
             "set multiplot layout 1,%zu margins %.3f,.99,.18,.9 spacing .05,.06\n"
             "unset key\nset logscale xy\nset format y '%%g'\nset format x '10^{%%L}'\n"
             "set xlabel 'parameters of the result'\nset xrange [5:%zu]\n"
@@ -88,9 +89,9 @@ igi_status chart_spare_draw(igi_context *ctx, const spare_rows *rows, const char
     for (size_t i = 0; i < rows->count; i++) {
         const char *scene = rows->rows[i].scene;
         if (i > 0 && strcmp(scene, rows->rows[i - 1].scene) == 0) continue;
-        put_labels(script, rows, scene, most);
-        put_panel(script, scene, i == 0);
+        put_labels(script.stream, rows, scene, most);
+        put_panel(script.stream, scene, i == 0);
     }
-    fputs("unset multiplot\n", script);
-    return chart_plot_end(ctx, folder, "parsimony", script);
+    fputs("unset multiplot\n", script.stream);
+    return chart_plot_end(ctx, folder, "parsimony", &script);
 }

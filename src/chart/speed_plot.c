@@ -4,6 +4,7 @@
  * has to look up a legend.
  */
 #include "chart/speed_plot.h"
+#include "base/file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -301,14 +302,14 @@ igi_status chart_speed_draw(igi_context *ctx, const speed_rows *rows, const peer
                             const char *folder)
 {
     enum { MAX_SCENES = 16 };
-    FILE *script;
+    igi_file script;
     const char *scenes[MAX_SCENES];
     size_t list[KINDS], count = list_scenes(rows, scenes, MAX_SCENES);
     size_t lines = list_kinds(scenes, count, rows, list);
     if (lines == 0) return IGI_OK; /* every scene was refused */
     IGI_TRY(chart_plot_begin(ctx, folder, "speed", (int)count * PANEL_WIDTH + 40,
                              (int)lines * PANEL_HEIGHT + 40, &script));
-    fprintf(script,
+    fprintf(script.stream,
             "set multiplot layout %zu,%zu margins %.3f,.99,%.3f,%.3f spacing .05,.06\n"
             "unset key\nset logscale xy\nset format '%%g'\n",
             lines, count, .16 / (double)count, .2 / (double)lines, 1 - .12 / (double)lines);
@@ -316,16 +317,16 @@ igi_status chart_speed_draw(igi_context *ctx, const speed_rows *rows, const peer
     for (size_t k = 0; k < lines; k++)
         for (size_t i = 0; i < count; i++) {
             if (!has_errors(scenes[i], list[k], rows)) {
-                if (explained) fputs("set multiplot next\n", script);
-                else put_key(script, peers);
+                if (explained) fputs("set multiplot next\n", script.stream);
+                else put_key(script.stream, peers);
                 explained = true;
                 continue;
             }
             panel p = make_panel(scenes[i], list[k], rows, peers);
             bool leftmost = i == 0 || !has_errors(scenes[i - 1], list[k], rows);
-            put_panel(script, &p, rows, peers, leftmost,
+            put_panel(script.stream, &p, rows, peers, leftmost,
                       is_lowest(scenes[i], list + k, lines - k, rows));
         }
-    fputs("unset multiplot\n", script);
-    return chart_plot_end(ctx, folder, "speed", script);
+    fputs("unset multiplot\n", script.stream);
+    return chart_plot_end(ctx, folder, "speed", &script);
 }

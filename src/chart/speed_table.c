@@ -4,8 +4,8 @@
  * depends on them) stands in the last columns; all else is the same bytes every time.
  */
 #include "chart/speed_plot.h"
+#include "base/file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -22,27 +22,6 @@ static void put(FILE *file, double x)
     else fprintf(file, ",%.4g", x);
 }
 
-static igi_status open_table(igi_context *ctx, const char *folder, const char *name,
-                             const char *columns, FILE **file)
-{
-    char *path = NULL;
-    IGI_TRY(igi_strprintf(ctx, &path, "%s/%s", folder, name));
-    *file = fopen(path, "w");
-    igi_status status = IGI_OK;
-    if (*file) fprintf(*file, "%s\n", columns);
-    else status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno));
-    igi_free(path);
-    return status;
-}
-
-static igi_status close_table(igi_context *ctx, const char *folder, const char *name, FILE *file)
-{
-    bool whole = !ferror(file);
-    if (fclose(file) == 0 && whole) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s/%s: could not be written; is the disk full?", folder,
-                    name);
-}
-
 static void put_row(FILE *file, const speed_row *r)
 {
     const double errors[] = {r->albedo, r->albedo_max, r->specular, r->alpha, r->texels, r->relit};
@@ -56,21 +35,21 @@ static void put_row(FILE *file, const speed_row *r)
 
 static igi_status save_peers(igi_context *ctx, const peer_curves *peers, const char *folder)
 {
-    FILE *file;
-    IGI_TRY(open_table(ctx, folder, "peers.csv",
-                       "peer,scene,albedo_mean,specular,alpha,texels,cpu_s", &file));
+    igi_file file;
+    IGI_TRY(chart_table_begin(ctx, folder, "peers.csv",
+                              "peer,scene,albedo_mean,specular,alpha,texels,cpu_s", &file));
     for (size_t i = 0; i < peers->count; i++)
         for (size_t k = 0; k < peers->curves[i].count; k++) {
             const peer_point *p = &peers->curves[i].points[k];
             bool last = k + 1 == peers->curves[i].count;
             if (k > 0 && !last && memcmp(p->errors, p[-1].errors, sizeof p->errors) == 0) continue;
-            put_name(file, peers->curves[i].peer);
-            fputs(",", file);
-            put_name(file, peers->curves[i].scene);
-            for (size_t e = 0; e < 4; e++) put(file, p->errors[e]);
-            fprintf(file, ",%.3f\n", p->cpu_s);
+            put_name(file.stream, peers->curves[i].peer);
+            fputs(",", file.stream);
+            put_name(file.stream, peers->curves[i].scene);
+            for (size_t e = 0; e < 4; e++) put(file.stream, p->errors[e]);
+            fprintf(file.stream, ",%.3f\n", p->cpu_s);
         }
-    return close_table(ctx, folder, "peers.csv", file);
+    return igi_file_end(ctx, &file, IGI_OK);
 }
 
 /* The quickest recovery of a scene whose mean error of albedo is at most `below`; NULL: none. */
@@ -116,33 +95,34 @@ static igi_status save_reach(igi_context *ctx, const speed_rows *rows, const pee
                              const char *folder)
 {
     static const double levels[] = {.1, .05, .02, .01, .005, .002, .001, .0005};
-    FILE *file;
-    IGI_TRY(open_table(ctx, folder, "reach.csv",
-                       "scene,albedo_mean,method,cpu_s,peer,peer_cpu_s,times", &file));
+    igi_file file;
+    IGI_TRY(chart_table_begin(ctx, folder, "reach.csv",
+                              "scene,albedo_mean,method,cpu_s,peer,peer_cpu_s,times", &file));
     for (size_t i = 0; i < rows->count; i++) {
         const char *scene = rows->rows[i].scene;
         if (i > 0 && strcmp(scene, rows->rows[i - 1].scene) == 0) continue;
         for (size_t k = 0; k < sizeof levels / sizeof levels[0]; k++) {
             const speed_row *r = reach(rows, scene, levels[k]);
             if (!r) continue;
-            put_name(file, scene);
-            fprintf(file, ",%g,%s,%.2f", levels[k], igi_method_name(r->method), r->cpu_s);
-            put_best_peer(file, peers, scene, levels[k], r->cpu_s);
+            put_name(file.stream, scene);
+            fprintf(file.stream, ",%g,%s,%.2f", levels[k], igi_method_name(r->method), r->cpu_s);
+            put_best_peer(file.stream, peers, scene, levels[k], r->cpu_s);
         }
     }
-    return close_table(ctx, folder, "reach.csv", file);
+    return igi_file_end(ctx, &file, IGI_OK);
 }
 
 igi_status chart_speed_save(igi_context *ctx, const speed_rows *rows, const peer_curves *peers,
                             const char *folder)
 {
-    FILE *file;
-    IGI_TRY(open_table(ctx, folder, "speed.csv",
-                       "scene,method,patch_m,rays_each,albedo_mean,albedo_max,specular,alpha,"
-                       "texels,relit,models_right,models,parameters,rays,cpu_s,ratio,peak_mb,front",
-                       &file));
-    for (size_t i = 0; i < rows->count; i++) put_row(file, &rows->rows[i]);
-    IGI_TRY(close_table(ctx, folder, "speed.csv", file));
+    igi_file file;
+    IGI_TRY(chart_table_begin(
+        ctx, folder, "speed.csv",
+        "scene,method,patch_m,rays_each,albedo_mean,albedo_max,specular,alpha,"
+        "texels,relit,models_right,models,parameters,rays,cpu_s,ratio,peak_mb,front",
+        &file));
+    for (size_t i = 0; i < rows->count; i++) put_row(file.stream, &rows->rows[i]);
+    IGI_TRY(igi_file_end(ctx, &file, IGI_OK));
     IGI_TRY(save_peers(ctx, peers, folder));
     IGI_TRY(save_reach(ctx, rows, peers, folder));
     return chart_speed_draw(ctx, rows, peers, folder);
@@ -150,18 +130,19 @@ igi_status chart_speed_save(igi_context *ctx, const speed_rows *rows, const peer
 
 igi_status chart_spare_save(igi_context *ctx, const spare_rows *rows, const char *folder)
 {
-    FILE *file;
-    IGI_TRY(open_table(ctx, folder, "parsimony.csv",
-                       "scene,model,map_size,chosen,parameters,lobes,error,specular", &file));
+    igi_file file;
+    IGI_TRY(chart_table_begin(ctx, folder, "parsimony.csv",
+                              "scene,model,map_size,chosen,parameters,lobes,error,specular",
+                              &file));
     for (size_t i = 0; i < rows->count; i++) {
         const spare_row *r = &rows->rows[i];
-        put_name(file, r->scene);
-        fprintf(file, ",%s,%d,%d,%zu,%zu", r->model, r->map_size, r->chosen, r->parameters,
+        put_name(file.stream, r->scene);
+        fprintf(file.stream, ",%s,%d,%d,%zu,%zu", r->model, r->map_size, r->chosen, r->parameters,
                 r->lobes);
-        put(file, r->error);
-        put(file, r->specular);
-        fputs("\n", file);
+        put(file.stream, r->error);
+        put(file.stream, r->specular);
+        fputs("\n", file.stream);
     }
-    IGI_TRY(close_table(ctx, folder, "parsimony.csv", file));
+    IGI_TRY(igi_file_end(ctx, &file, IGI_OK));
     return chart_spare_draw(ctx, rows, folder);
 }

@@ -203,9 +203,7 @@ static double median_of(const study *s, const chart_sweep *sweep, size_t point, 
         memcpy(&x, (const char *)t + field, sizeof x);
         if (t->sweep == sweep && t->point == point && !t->skipped && !isnan(x)) values[count++] = x;
     }
-    if (count == 0) return (double)NAN;
-    qsort(values, count, sizeof *values, igi_compare_doubles);
-    return (values[(count - 1) / 2] + values[count / 2]) / 2;
+    return igi_median(values, count);
 }
 
 /* The error above which a sweep has broken down. */
@@ -217,8 +215,7 @@ static double too_wrong(const study *s, const chart_sweep *sweep, double *values
         if (t->sweep == sweep && !isnan(t->unperturbed->albedo))
             values[count++] = t->unperturbed->albedo;
     }
-    qsort(values, count, sizeof *values, igi_compare_doubles);
-    double usual = count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : 0;
+    double usual = count ? igi_median(values, count) : 0;
     return fmax(TOO_WRONG, WORSE * usual);
 }
 

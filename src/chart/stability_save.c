@@ -5,30 +5,10 @@
 #include "chart/plot.h"
 #include "chart/trial.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 #define COLUMNS 6 /* of the small multiples */
-
-static igi_status open_table(igi_context *ctx, const char *folder, const char *name, FILE **file,
-                             char **path)
-{
-    IGI_TRY(igi_strprintf(ctx, path, "%s/%s", folder, name));
-    *file = fopen(*path, "wb");
-    if (*file) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
-                    *path, strerror(errno));
-}
-
-static igi_status close_table(igi_context *ctx, FILE *file, char *path)
-{
-    bool bad = file && ferror(file);
-    if (file && fclose(file) != 0) bad = true;
-    igi_status status = bad ? igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written", path) : IGI_OK;
-    igi_free(path);
-    return status;
-}
 
 static void put_number(FILE *file, double x)
 {
@@ -75,18 +55,15 @@ static void put_trial(FILE *file, const chart_trial *t)
 igi_status chart_trials_save(igi_context *ctx, chart_trial *const *trials, size_t count,
                              const char *folder)
 {
-    FILE *file = NULL;
-    char *path = NULL;
-    igi_status status = open_table(ctx, folder, "cases.csv", &file, &path);
-    if (status == IGI_OK) {
-        fputs("sweep,severity,room,seed,status,albedo_mean,albedo_median,albedo_max,rho_s,alpha,"
-              "relit,models_right,models,covered,intervals,worst_sigmas,flagged,silent,sign\n",
-              file);
-        for (size_t i = 0; i < count; i++)
-            if (!trials[i]->skipped) put_trial(file, trials[i]);
-    }
-    igi_status closed = close_table(ctx, file, path);
-    return status != IGI_OK ? status : closed;
+    igi_file file;
+    IGI_TRY(chart_table_begin(
+        ctx, folder, "cases.csv",
+        "sweep,severity,room,seed,status,albedo_mean,albedo_median,albedo_max,rho_s,alpha,"
+        "relit,models_right,models,covered,intervals,worst_sigmas,flagged,silent,sign",
+        &file));
+    for (size_t i = 0; i < count; i++)
+        if (!trials[i]->skipped) put_trial(file.stream, trials[i]);
+    return igi_file_end(ctx, &file, IGI_OK);
 }
 
 static void put_point(FILE *file, const igi_sweep_result *r, size_t point)
@@ -107,20 +84,16 @@ static void put_point(FILE *file, const igi_sweep_result *r, size_t point)
 
 static igi_status save_table(igi_context *ctx, const igi_stability *all, const char *folder)
 {
-    FILE *file = NULL;
-    char *path = NULL;
-    igi_status status = open_table(ctx, folder, "stability.csv", &file, &path);
-    if (status == IGI_OK) {
-        fputs(
-            "sweep,unit,severity,place,cases,refused,flagged,silent,albedo,albedo_max,rho_s,alpha,"
-            "relit,covered,broken_down\n",
-            file);
-        for (size_t i = 0; i < all->sweep_count; i++)
-            for (size_t k = 0; k < all->sweeps[i].point_count; k++)
-                put_point(file, &all->sweeps[i], k);
-    }
-    igi_status closed = close_table(ctx, file, path);
-    return status != IGI_OK ? status : closed;
+    igi_file file;
+    IGI_TRY(chart_table_begin(
+        ctx, folder, "stability.csv",
+        "sweep,unit,severity,place,cases,refused,flagged,silent,albedo,albedo_max,rho_s,alpha,"
+        "relit,covered,broken_down",
+        &file));
+    for (size_t i = 0; i < all->sweep_count; i++)
+        for (size_t k = 0; k < all->sweeps[i].point_count; k++)
+            put_point(file.stream, &all->sweeps[i], k);
+    return igi_file_end(ctx, &file, IGI_OK);
 }
 
 /* One curve of the table, in per cent of error; nothing where there is none. */
@@ -194,11 +167,11 @@ static void put_script(FILE *script, const igi_stability *all)
 
 static igi_status draw(igi_context *ctx, const igi_stability *all, const char *folder)
 {
-    FILE *script = NULL;
+    igi_file script;
     int rows = (int)(all->sweep_count + COLUMNS) / COLUMNS;
     IGI_TRY(chart_plot_begin(ctx, folder, "stability", 300 * COLUMNS, 230 * rows, &script));
-    put_script(script, all);
-    return chart_plot_end(ctx, folder, "stability", script);
+    put_script(script.stream, all);
+    return chart_plot_end(ctx, folder, "stability", &script);
 }
 
 igi_status chart_stability_save(igi_context *ctx, const igi_stability *all, const char *folder)

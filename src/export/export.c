@@ -3,11 +3,11 @@
  * What is exported, where to, and how: one way for all formats.
  */
 #include "export/export_private.h"
+#include "base/file.h"
 #include "material/result.h"
 
 #include <igi/output.h>
 
-#include <errno.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -59,21 +59,18 @@ bool igi_export_is_textured(const igi_scene *scene, const igi_material *m, size_
 /* The main file lies in the folder until both are moved to their places. */
 static igi_status write_files(igi_exporter *e, const format *f, const char *part)
 {
-    e->file = fopen(part, "w");
-    igi_status status = e->file ? f->write(e) : IGI_OK;
-    bool written = e->file && !ferror(e->file);
-    if (e->file && fclose(e->file) != 0) written = false;
-    if (status == IGI_OK && !written)
-        return igi_fail(e->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk", part,
-                        strerror(errno));
-    return status;
+    igi_file file;
+    IGI_TRY(igi_file_begin(e->ctx, part, &file));
+    e->file = file.stream;
+    igi_status status = f->write(e);
+    e->file = NULL;
+    return igi_file_end(e->ctx, &file, status);
 }
 
 static igi_status move(igi_context *ctx, const char *from, const char *to)
 {
     if (rename(from, to) == 0) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
-                    to, strerror(errno));
+    return igi_fail_writing(ctx, to);
 }
 
 /* path "a/room.xml": folder "a/room.xml_files", which the file calls "room.xml_files". */

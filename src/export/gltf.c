@@ -8,10 +8,10 @@
  * texture coordinates at the top left: a node turns our Z up, and v becomes 1 - v.
  */
 #include "export/gltf_private.h"
+#include "base/file.h"
 #include "image/srgb.h"
 #include "scene/atlas.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -201,20 +201,25 @@ static igi_status write_file(const igi_glb *g, const char *path)
     memcpy(head + 16, "JSON", 4);
     put_u32(binary, g->size);
     memcpy(binary + 4, "BIN\0", 4);
-    FILE *file = total <= UINT32_MAX ? fopen(path, "wb") : NULL;
-    bool good = file && fwrite(head, 1, sizeof head, file) == sizeof head &&
-                fwrite(json, 1, length, file) == length &&
-                fwrite("   ", 1, padding, file) == padding;
-    if (good && g->size)
-        good = fwrite(binary, 1, 8, file) == 8 && fwrite(g->bytes, 1, g->size, file) == g->size;
-    if (file && fclose(file) != 0) good = false;
+    igi_file file;
+    igi_status status =
+        total <= UINT32_MAX
+            ? igi_file_begin(g->ctx, path, &file)
+            : igi_fail(g->ctx, IGI_E_DATA,
+                       "%s: above the 4 GB that a .glb holds; recover with a smaller --map-size",
+                       path);
+    if (status == IGI_OK) {
+        (void)fwrite(head, 1, sizeof head, file.stream);
+        (void)fwrite(json, 1, length, file.stream);
+        (void)fwrite("   ", 1, padding, file.stream);
+        if (g->size) (void)fwrite(binary, 1, 8, file.stream);
+        if (g->size) (void)fwrite(g->bytes, 1, g->size, file.stream);
+        status = igi_file_end(g->ctx, &file, IGI_OK);
+    }
     json_free_t release;
     json_get_alloc_funcs(NULL, &release);
     release(json);
-    if (good) return IGI_OK;
-    return igi_fail(g->ctx, IGI_E_SYSTEM,
-                    "%s: cannot be written (%s); check the folder and the disk", path,
-                    total > UINT32_MAX ? "above 4 GB" : strerror(errno));
+    return status;
 }
 
 static igi_status fill(igi_glb *g)

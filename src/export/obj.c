@@ -5,10 +5,9 @@
  * readers take. Lights other than lamps have no words here.
  */
 #include "export/export_private.h"
+#include "base/file.h"
 
-#include <errno.h>
 #include <math.h>
-#include <string.h>
 
 static void print_material(const igi_exporter *e, size_t region, const char *name, FILE *f)
 {
@@ -38,25 +37,19 @@ static igi_status write_materials(const igi_exporter *e)
 {
     igi_status status = IGI_OK;
     char *path = NULL, *name = NULL;
-    FILE *f = NULL;
+    igi_file file = {0};
     IGI_TRY_GOTO(igi_strprintf(e->ctx, &path, "%s/scene.mtl", e->folder));
-    f = fopen(path, "w");
-    for (size_t r = 0; f && r < e->scene->region_count; r++) {
+    IGI_TRY_GOTO(igi_file_begin(e->ctx, path, &file));
+    for (size_t r = 0; r < e->scene->region_count; r++) {
         igi_free(name);
         name = NULL;
         IGI_TRY_GOTO(igi_region_file_name(e->ctx, e->scene->regions[r].name, &name));
-        print_material(e, r, name, f);
+        print_material(e, r, name, file.stream);
         if (igi_export_is_textured(e->scene, &e->materials->materials[r], r))
             IGI_TRY_GOTO(igi_export_texture(e, r, IGI_PICTURE_PNG, 1));
     }
-    bool written = f && !ferror(f);
-    if (f && fclose(f) != 0) written = false;
-    f = NULL;
-    if (!written)
-        IGI_TRY_GOTO(igi_fail(e->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk",
-                              path, strerror(errno)));
 cleanup:
-    if (f) fclose(f);
+    status = igi_file_end(e->ctx, &file, status);
     igi_free(path);
     igi_free(name);
     return status;

@@ -4,23 +4,13 @@
  * each component within half a per cent; Ward, "Real pixels", 1991).
  */
 #include "export/export_private.h"
+#include "base/file.h"
 #include "image/srgb.h"
 #include "light/sky.h"
 #include "scene/file_text.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
-
-static igi_status save_bytes(igi_context *ctx, const char *path, const uint8_t *bytes, size_t size)
-{
-    FILE *f = fopen(path, "wb");
-    bool written = f && fwrite(bytes, 1, size, f) == size;
-    if (f && fclose(f) != 0) written = false;
-    if (written) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk", path,
-                    strerror(errno));
-}
 
 static igi_status save_hdr(igi_context *ctx, const igi_image *rgb, const char *path)
 {
@@ -33,7 +23,7 @@ static igi_status save_hdr(igi_context *ctx, const igi_image *rgb, const char *p
     IGI_TRY(IGI_ALLOC(ctx, head + 4 * pixels, &bytes));
     memcpy(bytes, text, head);
     for (size_t i = 0; i < pixels; i++) igi_rgbe(rgb->samples + 3 * i, bytes + head + 4 * i);
-    igi_status status = save_bytes(ctx, path, bytes, head + 4 * pixels);
+    igi_status status = igi_file_save(ctx, path, bytes, head + 4 * pixels);
     igi_free(bytes);
     return status;
 }
@@ -60,7 +50,7 @@ static igi_status save_rgb(igi_context *ctx, const igi_image *rgb, igi_picture f
     uint8_t *png = NULL;
     size_t size;
     IGI_TRY(igi_srgb_png(ctx, rgb, 3, 1, &png, &size));
-    igi_status status = save_bytes(ctx, path, png, size);
+    igi_status status = igi_file_save(ctx, path, png, size);
     igi_image_free_bytes(png);
     return status;
 }

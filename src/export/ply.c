@@ -4,8 +4,8 @@
  * smooths normals across edges and texture coordinates belong to corners.
  */
 #include "export/export_private.h"
+#include "base/file.h"
 
-#include <errno.h>
 #include <string.h>
 
 static void put_floats(FILE *f, const float *x, int count)
@@ -48,15 +48,12 @@ igi_status igi_export_ply(const igi_exporter *e, size_t region)
 {
     igi_status status = IGI_OK;
     char *name = NULL, *path = NULL;
+    igi_file file;
     IGI_TRY_GOTO(igi_region_file_name(e->ctx, e->scene->regions[region].name, &name));
     IGI_TRY_GOTO(igi_strprintf(e->ctx, &path, "%s/%s.ply", e->folder, name));
-    FILE *f = fopen(path, "wb");
-    if (f) print_ply(e, region, f);
-    bool written = f && !ferror(f);
-    if (f && fclose(f) != 0) written = false;
-    if (!written)
-        IGI_TRY_GOTO(igi_fail(e->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk",
-                              path, strerror(errno)));
+    IGI_TRY_GOTO(igi_file_begin(e->ctx, path, &file));
+    print_ply(e, region, file.stream);
+    status = igi_file_end(e->ctx, &file, IGI_OK);
 cleanup:
     igi_free(name);
     igi_free(path);

@@ -8,8 +8,8 @@
  * penumbra. Polygons that are lights shine from their front, as igi's do.
  */
 #include "export/radiance_private.h"
+#include "base/file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -34,13 +34,7 @@ static igi_status write_functions(const igi_exporter *e)
 {
     char *path = NULL;
     IGI_TRY(igi_strprintf(e->ctx, &path, "%s/igi.cal", e->folder));
-    FILE *f = fopen(path, "w");
-    bool written = f && fputs(functions, f) >= 0;
-    if (f && fclose(f) != 0) written = false;
-    igi_status status = IGI_OK;
-    if (!written)
-        status = igi_fail(e->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path,
-                          strerror(errno));
+    igi_status status = igi_file_save(e->ctx, path, functions, sizeof functions - 1);
     igi_free(path);
     return status;
 }
@@ -163,25 +157,20 @@ static igi_status write_view(const igi_exporter *e, const igi_frame *frame)
 {
     const igi_camera *c = &frame->camera;
     const double(*m)[4] = c->camera_to_world;
+    igi_file file;
     char *path = NULL;
     IGI_TRY(igi_strprintf(e->ctx, &path, "%s/%s.vf", e->folder, frame->name));
-    FILE *f = fopen(path, "w");
-    if (f)
-        fprintf(f,
+    igi_status status = igi_file_begin(e->ctx, path, &file);
+    if (status == IGI_OK)
+        fprintf(file.stream,
                 "rvu -vtv -vp %.9g %.9g %.9g -vd %.9g %.9g %.9g -vu %.9g %.9g %.9g -vh %.9g -vv "
                 "%.9g -vo 0 -va 0 -vs %.9g -vl %.9g\n",
                 m[0][3], m[1][3], m[2][3], -m[0][2], -m[1][2], -m[2][2], m[0][1], m[1][1], m[2][1],
                 2 * atan(c->width / (2 * c->fl_x)) * 57.295779513082321,
                 2 * atan(c->height / (2 * c->fl_y)) * 57.295779513082321, 0.5 - c->cx / c->width,
                 c->cy / c->height - 0.5);
-    bool written = f && !ferror(f);
-    if (f && fclose(f) != 0) written = false;
-    igi_status status = IGI_OK;
-    if (!written)
-        status = igi_fail(e->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path,
-                          strerror(errno));
     igi_free(path);
-    return status;
+    return igi_file_end(e->ctx, &file, status);
 }
 
 static void warn_colours(const igi_exporter *e)

@@ -2,7 +2,7 @@
  *
  * Images into OpenEXR files, whole or not at all: written beside, then renamed.
  */
-#include "base/context.h"
+#include "base/file.h"
 
 #include <igi/image.h>
 
@@ -107,10 +107,7 @@ igi_status igi_image_save_exr(igi_context *ctx, const igi_image *image, igi_exr_
         if (code == EXR_ERR_SUCCESS) code = closing;
     }
     if (code != EXR_ERR_SUCCESS || rename(beside, path) != 0) {
-        status = igi_fail(ctx, IGI_E_SYSTEM,
-                          "%s: cannot be written (%s); check the folder, its permissions and the "
-                          "room on the disk",
-                          path, errno ? strerror(errno) : exr_get_default_error_message(code));
+        status = igi_fail_writing(ctx, path);
         (void)unlink(beside);
     }
 cleanup:

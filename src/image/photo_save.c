@@ -2,7 +2,7 @@
  *
  * Photographs into PNG files with EXIF.
  */
-#include "base/context.h"
+#include "base/file.h"
 
 #include <igi/photo.h>
 
@@ -14,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct writing {
     jmp_buf out;
@@ -128,32 +127,24 @@ static bool write_png(writing *w, png_structp png, png_infop info)
 igi_status igi_photo_save_png(igi_context *ctx, const igi_photo *photo, const char *path)
 {
     igi_status status = IGI_OK;
-    char *beside = NULL;
+    igi_file file;
     png_structp png = NULL;
     png_infop info = NULL;
     bool written = false;
     writing w = {.photo = photo};
-    IGI_TRY_GOTO(igi_strprintf(ctx, &beside, "%s.%ld.part", path, (long)getpid()));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)photo->width * (size_t)photo->channels * 2, &w.row));
-    w.file = fopen(beside, "wb");
+    IGI_TRY_GOTO(igi_file_begin(ctx, path, &file));
+    w.file = file.stream;
     png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, stop, ignore);
     if (png) info = png_create_info_struct(png);
-    if (w.file && info) {
+    if (info) {
         make_exif(photo, &w);
         written = write_png(&w, png, info);
     }
-    if (w.file && fclose(w.file) != 0) written = false;
-    if (!written || rename(beside, path) != 0) {
-        status = igi_fail(ctx, IGI_E_SYSTEM,
-                          "%s: cannot be written (%s); check the folder, its permissions and the "
-                          "room on the disk",
-                          path, strerror(errno));
-        (void)unlink(beside);
-    }
+    status = igi_file_end(ctx, &file, written ? IGI_OK : igi_fail_writing(ctx, path));
 cleanup:
     png_destroy_write_struct(&png, &info);
     free(w.exif);
     igi_free(w.row);
-    igi_free(beside);
     return status;
 }

@@ -2,15 +2,11 @@
  *
  * calib/NAME.json, read and written; the schema is in calib/README.md.
  */
-#include "base/context.h"
+#include "base/file.h"
 #include "lens/lens_private.h"
 #include "scene/json.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
 /* The intrinsics in the order of igi_calibration.deviations. */
 static const char *const lens_keys[9] = {"fl_x", "fl_y", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
@@ -128,8 +124,6 @@ static json_t *pack_response(const igi_response *r)
 igi_status igi_calibration_save(igi_context *ctx, const igi_calibration *calibration,
                                 const char *path)
 {
-    igi_status status = IGI_OK;
-    char *beside = NULL;
     json_t *root = json_object();
     json_object_set_new(root, "igi", json_integer(1));
     json_object_set_new(root, "camera", json_string(calibration->camera));
@@ -140,17 +134,7 @@ igi_status igi_calibration_save(igi_context *ctx, const igi_calibration *calibra
         json_object_set_new(root, "vignetting", pack_vignetting(&calibration->vignetting));
     if (calibration->response)
         json_object_set_new(root, "response", pack_response(calibration->response));
-    IGI_TRY_GOTO(igi_strprintf(ctx, &beside, "%s.%ld.part", path, (long)getpid()));
-    if (!root || json_dump_file(root, beside, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) != 0 ||
-        rename(beside, path) != 0) {
-        status = igi_fail(ctx, IGI_E_SYSTEM,
-                          "%s: cannot be written (%s); check the folder and the "
-                          "disk",
-                          path, strerror(errno));
-        (void)unlink(beside);
-    }
-cleanup:
-    igi_free(beside);
+    igi_status status = igi_file_save_json(ctx, path, root, 9);
     json_decref(root);
     return status;
 }

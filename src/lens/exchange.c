@@ -4,17 +4,14 @@
  * distortion_coefficients), COLMAP's cameras.txt or cameras.bin. Only the lens passes. OpenCV counts
  * pixels from the first one's centre, COLMAP and igi from its corner.
  */
-#include "base/context.h"
+#include "base/file.h"
 #include "bridge/opencv.h"
 #include "lens/lens_private.h"
 #include "scene/colmap_camera.h"
 #include "scene/file_text.h"
 #include "scene/frames.h"
 
-#include <errno.h>
 #include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
 static bool is_opencv(const char *path)
 {
@@ -91,24 +88,14 @@ igi_status igi_calibration_export(igi_context *ctx, const igi_calibration *calib
                                   const char *path)
 {
     bool colmap = igi_ends_with(path, ".txt");
-    char *beside = NULL;
+    igi_file file;
     if (!colmap && !is_opencv(path)) return igi_calibration_save(ctx, calibration, path);
     if (igi_ends_with(path, ".xml"))
         return igi_fail(ctx, IGI_E_USAGE, "%s: OpenCV's XML is read, not written; name a .yml",
                         path);
     if (!calibration->has_lens)
         return igi_fail(ctx, IGI_E_DATA, "%s: the calibration has no lens to write", path);
-    IGI_TRY(igi_strprintf(ctx, &beside, "%s.%ld.part", path, (long)getpid()));
-    FILE *file = fopen(beside, "w");
-    if (file) (colmap ? write_colmap : write_opencv)(file, calibration);
-    bool bad = !file || ferror(file);
-    if (file && fclose(file) != 0) bad = true;
-    igi_status status = IGI_OK;
-    if (bad || rename(beside, path) != 0) {
-        status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder", path,
-                          strerror(errno));
-        (void)unlink(beside);
-    }
-    igi_free(beside);
-    return status;
+    IGI_TRY(igi_file_begin(ctx, path, &file));
+    (colmap ? write_colmap : write_opencv)(file.stream, calibration);
+    return igi_file_end(ctx, &file, IGI_OK);
 }

@@ -101,8 +101,7 @@ static void reweight(const samples *s, double cx, double cy, const double p[4], 
     double *residuals = scratch, *sorted = scratch + s->count;
     for (size_t i = 0; i < s->count; i++) residuals[i] = fabs(residual(s, i, cx, cy, p));
     memcpy(sorted, residuals, s->count * sizeof *sorted);
-    qsort(sorted, s->count, sizeof *sorted, igi_compare_doubles);
-    double width = 6 * sorted[s->count / 2] / .6745 + 1e-9 * fabs(p[0]);
+    double width = 6 * igi_median(sorted, s->count) / .6745 + 1e-9 * fabs(p[0]);
     for (size_t i = 0; i < s->count; i++) {
         double u = residuals[i] / width;
         s->weights[i] = u < 1 ? (1 - u * u) * (1 - u * u) : 0;

@@ -4,6 +4,7 @@
  * digits: the same materials give the same bytes.
  */
 #include "material/material.h"
+#include "base/file.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -63,14 +64,16 @@ static igi_status save_json(igi_context *ctx, const json_t *root, const char *pa
     json_free_t release;
     json_get_alloc_funcs(NULL, &release);
     char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    FILE *file = text ? fopen(path, "w") : NULL;
-    if (text) join_numbers(text);
-    bool written = file && fprintf(file, "%s\n", text) > 0;
-    if (file && fclose(file) != 0) written = false;
+    if (!text) return igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path);
+    join_numbers(text);
+    igi_file file;
+    igi_status status = igi_file_begin(ctx, path, &file);
+    if (status == IGI_OK) {
+        fprintf(file.stream, "%s\n", text);
+        status = igi_file_end(ctx, &file, IGI_OK);
+    }
     release(text);
-    if (written) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
-                    path, strerror(errno));
+    return status;
 }
 
 static igi_status make_folder(igi_context *ctx, const char *folder, const char *name)

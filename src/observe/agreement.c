@@ -41,13 +41,6 @@ typedef struct session {
     double (*weighted)[2]; /* [glimpses] */
 } session;
 
-static double median(double *values, size_t count)
-{
-    if (count == 0) return 0;
-    qsort(values, count, sizeof *values, igi_compare_doubles);
-    return (values[(count - 1) / 2] + values[count / 2]) / 2;
-}
-
 /* Of pairs (value, weight). */
 static double weighted_median(double (*pairs)[2], size_t count)
 {
@@ -77,7 +70,7 @@ static void find_middles(session *s)
         size_t n = 0;
         for (size_t i = s->g.begin[p]; i < s->g.begin[p + 1]; i++)
             s->values[n++] = (double)s->g.glimpses[i].value - s->gain[s->g.glimpses[i].frame];
-        s->middle[p] = median(s->values, n);
+        s->middle[p] = igi_median(s->values, n);
     }
 }
 
@@ -98,9 +91,9 @@ static igi_status find_spreads(igi_context *ctx, session *s)
     }
     for (size_t r = 0; r < s->regions; r++) {
         size_t n = begin[r + 1] - begin[r];
-        s->spread[r] = n < FEWEST_GLIMPSES ? -1 : 1.4826 * median(s->values + begin[r], n);
+        s->spread[r] = n < FEWEST_GLIMPSES ? -1 : 1.4826 * igi_median(s->values + begin[r], n);
     }
-    double typical = 1.4826 * median(s->values, begin[s->regions]);
+    double typical = 1.4826 * igi_median(s->values, begin[s->regions]);
     for (size_t r = 0; r < s->regions; r++)
         s->spread[r] = fmax(LEAST_SPREAD, s->spread[r] < 0 ? typical : s->spread[r]);
     igi_free(begin);
@@ -116,7 +109,7 @@ static double middle_of_others(const session *s, const igi_glimpse *glimpse, dou
         const igi_glimpse *other = &s->g.glimpses[i];
         if (other != glimpse) values[n++] = (double)other->value - s->gain[other->frame];
     }
-    return median(values, n);
+    return igi_median(values, n);
 }
 
 /* Gains, and how well they are known: regions that look alike from everywhere tell most. */
@@ -156,17 +149,18 @@ static size_t look_at_region(const session *s, size_t frame, uint32_t region, do
 static void find_gain_error(session *s, size_t frame, igi_frame_agreement *out)
 {
     size_t voices = 0;
+    if (out->places == 0) return;
     for (uint32_t r = 0; r < s->regions; r++) {
         size_t n = look_at_region(s, frame, r, s->values);
-        if (n >= FEWEST_TO_TELL) s->voices[voices++] = fabs(median(s->values, n));
+        if (n >= FEWEST_TO_TELL) s->voices[voices++] = fabs(igi_median(s->values, n));
     }
     if (voices < FEWEST_REGIONS) {
         for (voices = 0; voices < out->places; voices++)
             s->voices[voices] = fabs(s->weighted[voices][0] - s->gain[frame]);
-        out->gain_error = 1.4826 * median(s->voices, voices);
+        out->gain_error = 1.4826 * igi_median(s->voices, voices);
         return;
     }
-    double scatter = 1.4826 * median(s->voices, voices);
+    double scatter = 1.4826 * igi_median(s->voices, voices);
     out->gain_error = fmax(out->gain_error, 1.2533 * scatter / sqrt((double)voices));
 }
 
@@ -215,7 +209,7 @@ static double median_over_frames(session *s, const igi_agreement *a, size_t fiel
     for (size_t f = 0; f < s->frames; f++)
         if (a->frames[f].places > 0)
             s->values[n++] = *(const double *)((const char *)&a->frames[f] + field);
-    return median(s->values, n);
+    return igi_median(s->values, n);
 }
 
 static void judge(session *s, igi_agreement *a)

@@ -202,8 +202,7 @@ static igi_status fit(igi_context *ctx, const scan *s, igi_registration *r)
         }
     IGI_TRY(IGI_ALLOC(ctx, s->count, &distances));
     for (size_t i = 0; i < s->count; i++) distances[i] = fabs(residual_of(&s->edges[i], r->offset));
-    qsort(distances, s->count, sizeof *distances, igi_compare_doubles);
-    r->residual = distances[s->count / 2];
+    r->residual = igi_median(distances, s->count);
     r->offset_error = 1.4826 * r->residual * sqrt(fmax(inverse[0], inverse[2]));
     r->edges = s->count;
     igi_free(distances);

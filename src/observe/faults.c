@@ -50,8 +50,7 @@ static igi_status find_offsets(igi_context *ctx, const igi_observations *o, igi_
         if (r->offset_error < KNOWN_PX) offsets[n++] = offset_of(r);
         f->frames[i].off = offset_of(r) > OFF_PX + OFF_SIGMAS * r->offset_error;
     }
-    qsort(offsets, n, sizeof *offsets, igi_compare_doubles);
-    if (n > 0) f->offset_px = offsets[n / 2];
+    if (n > 0) f->offset_px = igi_median(offsets, n);
     f->all_off = n >= FEWEST_KNOWN && f->offset_px > ALL_OFF_PX;
     igi_free(offsets);
     return IGI_OK;
@@ -84,13 +83,11 @@ static igi_status find_drift(igi_context *ctx, const igi_agreement *a, igi_fault
     IGI_TRY(IGI_ALLOC(ctx, f->frame_count, &values));
     for (size_t i = 0; i < f->frame_count; i++)
         if (counts(a, f, i)) values[n++] = fabs(log(a->frames[i].gain));
-    qsort(values, n, sizeof *values, igi_compare_doubles);
-    f->gain_spread = n > 0 ? 1.4826 * values[n / 2] : 0;
+    f->gain_spread = n > 0 ? 1.4826 * igi_median(values, n) : 0;
     n = 0;
     for (size_t i = 0; i < f->frame_count; i++)
         if (counts(a, f, i)) values[n++] = a->frames[i].gain_error;
-    qsort(values, n, sizeof *values, igi_compare_doubles);
-    error = n > 0 ? values[n / 2] : 0;
+    error = n > 0 ? igi_median(values, n) : 0;
     f->drifts = n > 1 && f->gain_spread > DRIFT && f->gain_spread > DRIFT_SIGMAS * error;
     igi_free(values);
     return IGI_OK;

@@ -2,7 +2,7 @@
  *
  * manifest.json: what made a result, and what it cost.
  */
-#include "base/context.h"
+#include "base/file.h"
 
 #include <igi/output.h>
 
@@ -138,9 +138,7 @@ igi_status igi_manifest_save(igi_context *ctx, const igi_manifest *m, const char
     if (bad)
         IGI_TRY_GOTO(igi_fail(ctx, IGI_E_USAGE, "manifest.json: the command line is not UTF-8"));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/manifest.json", folder));
-    if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)))
-        IGI_TRY_GOTO(
-            igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno)));
+    status = igi_file_save_json(ctx, path, root, 6);
 cleanup:
     json_decref(root);
     json_decref(inputs);

@@ -184,8 +184,7 @@ static igi_status spread_of(igi_context *ctx, const problem *p, const double *ch
             if (isfinite(d)) all[count++] = d;
         }
     }
-    qsort(all, count, sizeof *all, igi_compare_doubles);
-    if (count) *spread = 1.4826 * all[count / 2];
+    if (count) *spread = 1.4826 * igi_median(all, count);
     igi_free(all);
     return IGI_OK;
 }

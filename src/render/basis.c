@@ -8,6 +8,7 @@
  * would not do: browsers multiply colours by it.
  */
 #include "image/srgb.h"
+#include "base/file.h"
 #include "material/material.h"
 #include "material/result.h"
 #include "render/layers.h"
@@ -15,7 +16,6 @@
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -68,12 +68,7 @@ static igi_status save_picture(const basis *s, const igi_image *picture, int vie
     IGI_TRY_GOTO(
         igi_image_encode_png(s->ctx, bytes, picture->width, 2 * picture->height, 3, &png, &size));
     IGI_TRY_GOTO(igi_strprintf(s->ctx, &path, "%s/%d.%d.png", s->folder, view, lamp));
-    FILE *file = fopen(path, "wb");
-    bool written = file && fwrite(png, 1, size, file) == size;
-    if (file && fclose(file) != 0) written = false;
-    if (!written)
-        status = igi_fail(s->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk", path,
-                          strerror(errno));
+    status = igi_file_save(s->ctx, path, png, size);
 cleanup:
     igi_image_free_bytes(png);
     igi_free(bytes);
@@ -134,9 +129,7 @@ static igi_status save_index(const basis *s, json_t *views)
     json_t *root = json_pack("{s:f, s:o, s:O}", "exposure", (double)s->exposure, "lights",
                              lamps_json(s), "views", views);
     IGI_TRY_GOTO(igi_strprintf(s->ctx, &path, "%s/index.json", s->folder));
-    if (!root || json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(9)))
-        status = igi_fail(s->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path,
-                          strerror(errno));
+    status = igi_file_save_json(s->ctx, path, root, 9);
 cleanup:
     json_decref(root);
     igi_free(path);

@@ -3,6 +3,7 @@
  * A folder of materials, rendered.
  */
 #include "image/srgb.h"
+#include "base/file.h"
 #include "material/result.h"
 #include "render/layers.h"
 #include "render/smooth.h"
@@ -10,10 +11,7 @@
 #include <igi/image.h>
 #include <igi/scene.h>
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 void igi_relight_options_init(igi_relight_options *options)
 {
@@ -50,12 +48,7 @@ static igi_status save_png(relighting *r, const layered_frame *f, const char *na
     IGI_TRY_GOTO(igi_strprintf(r->ctx, &path, "%s/%s.png", r->output, name));
     IGI_TRY_GOTO(
         igi_srgb_png(r->ctx, f->layers[LAYER_PICTURE], r->bands, r->exposure, &png, &size));
-    FILE *file = fopen(path, "wb");
-    bool written = file && fwrite(png, 1, size, file) == size;
-    if (file && fclose(file) != 0) written = false;
-    if (!written)
-        status = igi_fail(r->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the disk", path,
-                          strerror(errno));
+    status = igi_file_save(r->ctx, path, png, size);
 cleanup:
     igi_image_free_bytes(png);
     igi_free(path);

@@ -3,6 +3,7 @@
  * Photographs beside what the recovered materials predict, and where they differ.
  */
 #include "report/colour.h"
+#include "base/file.h"
 
 #include "base/order.h"
 #include "material/material.h"
@@ -67,15 +68,9 @@ static igi_status save_png(const writer *w, const uint8_t *pixels, const igi_ima
     char *path = NULL;
     uint8_t *bytes = NULL;
     size_t size = 0;
-    FILE *file = NULL;
     IGI_TRY_GOTO(igi_strprintf(w->ctx, &path, "%s/comparison/%s.%s.png", w->folder, name, kind));
     IGI_TRY_GOTO(igi_image_encode_png(w->ctx, pixels, like->width, like->height, 3, &bytes, &size));
-    file = fopen(path, "wb");
-    bool written = file && fwrite(bytes, 1, size, file) == size;
-    if (file && fclose(file) != 0) written = false;
-    if (!written)
-        IGI_TRY_GOTO(
-            igi_fail(w->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno)));
+    status = igi_file_save(w->ctx, path, bytes, size);
 cleanup:
     igi_image_free_bytes(bytes);
     igi_free(path);
@@ -199,9 +194,7 @@ static igi_status save_index(const writer *w)
     json_t *root = json_pack("{s:f, s:f, s:O}", "exposure", (double)w->exposure, "limit",
                              (double)LIMIT, "views", w->views);
     IGI_TRY_GOTO(igi_strprintf(w->ctx, &path, "%s/comparison/index.json", w->folder));
-    if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)))
-        IGI_TRY_GOTO(
-            igi_fail(w->ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno)));
+    status = igi_file_save_json(w->ctx, path, root, 6);
 cleanup:
     json_decref(root);
     igi_free(path);

@@ -2,14 +2,12 @@
  *
  * evidence.json: what was tried on each region and what it was given.
  */
-#include "base/context.h"
+#include "base/file.h"
 
 #include <igi/report.h>
 
-#include <errno.h>
 #include <jansson.h>
 #include <math.h>
-#include <string.h>
 
 static json_t *number(double x)
 {
@@ -66,9 +64,7 @@ igi_status igi_evidence_save(igi_context *ctx, const igi_recovery *recovery, con
     bad |= json_object_set_new(root, "regions", regions);
     if (bad) IGI_TRY_GOTO(igi_fail(ctx, IGI_E_SYSTEM, "evidence.json: no memory, or no UTF-8"));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/evidence.json", folder));
-    if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)))
-        IGI_TRY_GOTO(
-            igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno)));
+    status = igi_file_save_json(ctx, path, root, 6);
 cleanup:
     json_decref(root);
     igi_free(path);

@@ -3,6 +3,7 @@
  * report.html: one page that needs nothing but itself. Pictures are inside, nothing is fetched.
  */
 #include "report/page.h"
+#include "base/file.h"
 
 #include "base/order.h"
 
@@ -88,8 +89,7 @@ static double typical_share(const igi_page *page, size_t *determined, size_t *su
         if (m->determined && count < 512)
             shares[count++] = igi_material_share(m, page->materials->bands);
     }
-    qsort(shares, count, sizeof *shares, igi_compare_doubles);
-    return count ? shares[count / 2] : (double)NAN;
+    return igi_median(shares, count);
 }
 
 static void print_tiles(const igi_page *page)
@@ -197,27 +197,14 @@ static igi_status read_json(const igi_page *page, const char *name, json_t **roo
     return status;
 }
 
-/* Beside, then renamed. */
 static igi_status write_page(igi_page *page, const char *path)
 {
-    igi_status status = IGI_OK;
-    char *beside = NULL;
-    IGI_TRY_GOTO(igi_strprintf(page->ctx, &beside, "%s.%ld.part", path, (long)getpid()));
-    page->file = fopen(beside, "w");
-    if (page->file) IGI_TRY_GOTO(print_page(page));
-    bool written = page->file && !ferror(page->file);
-    if (page->file && fclose(page->file) != 0) written = false;
+    igi_file file;
+    IGI_TRY(igi_file_begin(page->ctx, path, &file));
+    page->file = file.stream;
+    igi_status status = print_page(page);
     page->file = NULL;
-    if (!written || rename(beside, path))
-        IGI_TRY_GOTO(igi_fail(page->ctx, IGI_E_SYSTEM,
-                              "%s: cannot be written (%s); check the folder "
-                              "and the disk",
-                              path, strerror(errno)));
-cleanup:
-    if (page->file) fclose(page->file);
-    if (status != IGI_OK && beside) unlink(beside);
-    igi_free(beside);
-    return status;
+    return igi_file_end(page->ctx, &file, status);
 }
 
 igi_status igi_report(igi_context *ctx, const char *folder, const char *truth_folder)

@@ -22,14 +22,6 @@ static double relative(double got, double want)
     return fabs(got - want) / fmax(want, FLOOR);
 }
 
-/* Sorts; the mean of the middle two when the count is even; NaN of nothing. */
-static double median(double *x, size_t count)
-{
-    if (count == 0) return (double)NAN;
-    qsort(x, count, sizeof *x, igi_compare_doubles);
-    return (x[(count - 1) / 2] + x[count / 2]) / 2;
-}
-
 static double mean(const double *x, size_t count)
 {
     double sum = 0;
@@ -64,7 +56,7 @@ static igi_status compare_texels(igi_context *ctx, const igi_image *got, const i
         means->want[b] = sums[1][b] / (double)seen;
     }
     error->texture_mean = mean(errors, count);
-    error->texture_median = median(errors, count);
+    error->texture_median = igi_median(errors, count);
     error->texture_seen = (double)seen / (double)texels;
     igi_free(errors);
     return IGI_OK;
@@ -169,7 +161,7 @@ static igi_status summarise(igi_context *ctx, igi_validation *v)
     v->texture_median = mean(x, n);
     collect(v, offsetof(igi_region_error, albedo), x, &n);
     v->albedo_mean = mean(x, n);
-    v->albedo_median = median(x, n);
+    v->albedo_median = igi_median(x, n);
     v->albedo_max = n ? x[n - 1] : (double)NAN; /* the median has sorted them */
     igi_free(x);
     for (size_t i = 0; i < v->region_count; i++) {

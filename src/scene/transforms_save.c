@@ -3,12 +3,13 @@
  * Cameras as nerfstudio and instant-ngp read them.
  */
 #include "scene/frames.h"
+#include "base/file.h"
 
 #include <errno.h>
 #include <jansson.h>
+#include <unistd.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 /* As seen from the folder of the file that names it; absolute where it lies elsewhere. */
 static igi_status name_from(igi_context *ctx, const char *folder, const char *path, char **name)
@@ -43,7 +44,7 @@ igi_status igi_frames_save(igi_context *ctx, const igi_frame *frames, size_t cou
                            const char *path)
 {
     igi_status status = IGI_OK;
-    char *folder = NULL, *beside = NULL, *name = NULL;
+    char *folder = NULL, *name = NULL;
     json_t *list = json_array();
     json_t *root = json_pack("{ss sO}", "camera_model", "OPENCV", "frames", list);
     IGI_TRY_GOTO(igi_path_folder(ctx, path, &folder));
@@ -56,18 +57,11 @@ igi_status igi_frames_save(igi_context *ctx, const igi_frame *frames, size_t cou
             goto cleanup;
         }
     }
-    IGI_TRY_GOTO(igi_strprintf(ctx, &beside, "%s.%ld.part", path, (long)getpid()));
-    if (!root || json_dump_file(root, beside, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) != 0 ||
-        rename(beside, path) != 0) {
-        status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder", path,
-                          strerror(errno));
-        (void)remove(beside);
-    }
+    status = igi_file_save_json(ctx, path, root, 12);
 cleanup:
     json_decref(list);
     json_decref(root);
     igi_free(folder);
-    igi_free(beside);
     igi_free(name);
     return status;
 }

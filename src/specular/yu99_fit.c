@@ -144,8 +144,7 @@ static void reweight(const fitter *f, const trial *t)
         f->weight[i] = 1 / (scale * scale);
         f->scaled[i] = residual[i] = fabs((double)s->radiance[i] - predicted) / scale;
     }
-    qsort(f->scaled, f->values, sizeof *f->scaled, igi_compare_doubles);
-    double limit = 3 * 1.4826 * f->scaled[f->values / 2];
+    double limit = 3 * 1.4826 * igi_median(f->scaled, f->values);
     for (size_t i = 0; i < f->values && limit > 0; i++)
         if (residual[i] > limit) f->weight[i] *= limit / residual[i];
 }

@@ -5,7 +5,7 @@
  */
 #include "synth/photos.h"
 
-#include "base/context.h"
+#include "base/file.h"
 #include "base/rng.h"
 #include "hdr/hdr.h"
 
@@ -13,7 +13,6 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #define EXPOSURES 5
@@ -152,8 +151,7 @@ static igi_status save_list(igi_context *ctx, const char *folder, size_t count)
     bad |= json_object_set_new(root, "igi", json_integer(1));
     bad |= json_object_set(root, "images", images);
     igi_status status = igi_strprintf(ctx, &path, "%s/brackets.json", folder);
-    if (status == IGI_OK && (bad || json_dump_file(root, path, JSON_INDENT(1))))
-        status = igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s)", path, strerror(errno));
+    if (status == IGI_OK) status = igi_file_save_json(ctx, path, bad ? NULL : root, 9);
     igi_free(path);
     json_decref(images);
     json_decref(root);

@@ -4,8 +4,8 @@
  * material has a texture: elsewhere faces would share them without a reason.
  */
 #include "synth/synth.h"
+#include "base/file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -259,12 +259,11 @@ igi_status shape_read(igi_context *ctx, spec *s, const igi_json *at)
 
 igi_status shapes_save(igi_context *ctx, const spec *s, const char *path)
 {
-    FILE *file = fopen(path, "w");
+    igi_file out;
     size_t vertices = 0, uvs = 0;
     int material = -1;
-    if (!file)
-        return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder", path,
-                        strerror(errno));
+    IGI_TRY(igi_file_begin(ctx, path, &out));
+    FILE *file = out.stream;
     fprintf(file, "# metres, +Z up\n");
     for (size_t i = 0; i < s->face_count; i++) {
         const face *f = &s->faces[i];
@@ -290,7 +289,5 @@ igi_status shapes_save(igi_context *ctx, const spec *s, const char *path)
         vertices += (size_t)f->corners;
         if (textured) uvs += (size_t)f->corners;
     }
-    if (fclose(file) == 0) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); is the disk full?", path,
-                    strerror(errno));
+    return igi_file_end(ctx, &out, IGI_OK);
 }

@@ -4,6 +4,7 @@
  * so that what is rendered is what stands in the files, to the last digit.
  */
 #include "synth/synth.h"
+#include "base/file.h"
 
 #include "synth/photos.h"
 
@@ -112,7 +113,7 @@ static igi_status write_manifest(const maker *m)
     igi_status status = bad || !root
                             ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
                             : path_in(m, "scene.json", &path);
-    if (status == IGI_OK) status = save_json(m->ctx, root, path);
+    if (status == IGI_OK) status = igi_file_save_json(m->ctx, path, root, 9);
     igi_free(path);
     json_decref(root);
     return status;
@@ -261,7 +262,7 @@ static igi_status make_relit(maker *m, size_t number)
     lit_by by = {"relit views", lights, count};
     IGI_TRY_GOTO(make_views(m, folder, &set->views, &by, NULL, NULL));
     IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/%slights.json", m->folder, folder));
-    IGI_TRY_GOTO(save_json(m->ctx, root, path));
+    IGI_TRY_GOTO(igi_file_save_json(m->ctx, path, root, 9));
 cleanup:
     json_decref(root);
     igi_lights_destroy(lights, count);

@@ -121,6 +121,4 @@ typedef struct shown {
 IGI_MUST_USE igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
                                    const igi_tracer *tracer, const shown *by, const char *path);
 
-IGI_MUST_USE igi_status save_json(igi_context *ctx, const json_t *root, const char *path);
-
 #endif

@@ -3,17 +3,10 @@
  * truth.json: what the scene is made of, and how much of each region the photographs see.
  */
 #include "synth/synth.h"
+#include "base/file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
-
-igi_status save_json(igi_context *ctx, const json_t *root, const char *path)
-{
-    if (json_dump_file(root, path, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) == 0) return IGI_OK;
-    return igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be written (%s); check the folder and the disk",
-                    path, strerror(errno));
-}
 
 /* The share of a region's area that one camera or more sees, from some thousand points. */
 static double seen_share(const igi_scene *scene, const igi_tracer *tracer, size_t region,
@@ -98,7 +91,7 @@ igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
     }
     bad |= json_object_set(root, "lights", s->lights.value);
     igi_status status = bad ? igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path)
-                            : save_json(ctx, root, path);
+                            : igi_file_save_json(ctx, path, root, 9);
     json_decref(root);
     return status;
 }

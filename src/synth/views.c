@@ -3,6 +3,7 @@
  * Cameras: read from the spec, listed or on a ring, and written as transforms.json.
  */
 #include "synth/synth.h"
+#include "base/file.h"
 
 #include "scene/camera.h"
 
@@ -151,7 +152,7 @@ igi_status views_save(igi_context *ctx, const igi_camera *cameras, size_t count,
                              c->cy, "frames", frames);
     igi_status status = bad || !root
                             ? igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path)
-                            : save_json(ctx, root, path);
+                            : igi_file_save_json(ctx, path, root, 9);
     json_decref(root);
     return status;
 }

@@ -5,7 +5,7 @@
 #define _XOPEN_SOURCE 700
 #include "test.h"
 
-#include "base/context.h"
+#include "base/file.h"
 
 #include <dirent.h>
 #include <sys/stat.h>
@@ -126,6 +126,35 @@ static void manifest_names_its_inputs(void)
     igi_context_destroy(ctx);
 }
 
+/* A file that fails, by its writer's word or the disk's, leaves what was there before. */
+static void a_file_is_whole(void)
+{
+    igi_context *ctx = test_context(1);
+    char place[32], path[64], text[8] = "";
+    igi_file file;
+    make_place(place);
+    snprintf(path, sizeof path, "%s/x", place);
+    CHECK_OK(ctx, igi_file_save(ctx, path, "old", 3));
+    CHECK_OK(ctx, igi_file_begin(ctx, path, &file));
+    fputs("new", file.stream);
+    CHECK(igi_file_end(ctx, &file, IGI_E_DATA) == IGI_E_DATA);
+    CHECK(!file.stream && entries(place) == 1);
+    CHECK_OK(ctx, igi_file_begin(ctx, path, &file));
+    CHECK(freopen("/dev/full", "w", file.stream) != NULL);
+    fputs("new", file.stream);
+    CHECK(igi_file_end(ctx, &file, IGI_OK) == IGI_E_SYSTEM);
+    CHECK_CONTAINS(igi_context_message(ctx), "x: cannot be written (No space left on device)");
+    CHECK(entries(place) == 1);
+    FILE *old = fopen(path, "r");
+    CHECK(old && fread(text, 1, sizeof text - 1, old) == 3 && strcmp(text, "old") == 0);
+    if (old) fclose(old);
+    snprintf(path, sizeof path, "%s/none/x", place);
+    CHECK(igi_file_begin(ctx, path, &file) == IGI_E_SYSTEM && !file.stream);
+    CHECK(igi_file_save_json(ctx, path, NULL, 9) == IGI_E_SYSTEM);
+    igi_context_destroy(ctx);
+}
+
 TEST_MAIN({"whole_or_not_at_all", whole_or_not_at_all},
           {"others_work_is_kept", others_work_is_kept},
-          {"manifest_names_its_inputs", manifest_names_its_inputs})
+          {"manifest_names_its_inputs", manifest_names_its_inputs},
+          {"a_file_is_whole", a_file_is_whole})
