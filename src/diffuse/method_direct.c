@@ -13,8 +13,6 @@ igi_status igi_method_direct(igi_context *ctx, const igi_problem *problem, igi_d
 {
     igi_status status = IGI_OK;
     igi_rows *rows = NULL;
-    igi_region_sums *sums = NULL;
-    igi_places places = {0};
     float *irradiance = NULL;
     size_t bands = (size_t)problem->bands;
     igi_gather_options options = {.rays = 0, .light_points = LIGHT_POINTS};
@@ -25,15 +23,10 @@ igi_status igi_method_direct(igi_context *ctx, const igi_problem *problem, igi_d
     IGI_TRY_GOTO(IGI_ALLOC(ctx, rows->count * bands, &irradiance));
     for (size_t i = 0; i < rows->count; i++)
         igi_row_direct(rows, i, problem->lights, problem->bands, irradiance + i * bands);
-    IGI_TRY_GOTO(igi_places_create(ctx, problem, rows, irradiance, &places));
-    IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));
-    (void)igi_region_sums_albedo(sums, &places, diffuse->albedo);
-    IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &places, diffuse));
+    IGI_TRY_GOTO(igi_albedo_of_rows(ctx, problem, rows, irradiance, diffuse));
     diffuse->ignores_indirect = true;
 cleanup:
     igi_free(irradiance);
-    igi_places_clear(&places);
-    igi_region_sums_destroy(sums);
     igi_rows_destroy(rows);
     return status;
 }

@@ -118,8 +118,6 @@ igi_status igi_method_gather(igi_context *ctx, const igi_problem *problem, igi_d
 {
     igi_status status = IGI_OK;
     igi_rows *rows = NULL;
-    igi_region_sums *sums = NULL;
-    igi_places places = {0};
     float *irradiance = NULL;
     uint8_t *wanted = NULL;
     size_t bands = (size_t)problem->bands;
@@ -138,15 +136,10 @@ igi_status igi_method_gather(igi_context *ctx, const igi_problem *problem, igi_d
     job j = {problem, rows, irradiance};
     size_t tasks = (rows->count + ROWS_A_TASK - 1) / ROWS_A_TASK;
     IGI_TRY_GOTO(igi_parallel_for(ctx, tasks, gather_rows, &j));
-    IGI_TRY_GOTO(igi_places_create(ctx, problem, rows, irradiance, &places));
-    IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));
-    (void)igi_region_sums_albedo(sums, &places, diffuse->albedo);
-    IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &places, diffuse));
+    IGI_TRY_GOTO(igi_albedo_of_rows(ctx, problem, rows, irradiance, diffuse));
 cleanup:
     igi_free(wanted);
     igi_free(irradiance);
-    igi_places_clear(&places);
-    igi_region_sums_destroy(sums);
     igi_rows_destroy(rows);
     return status;
 }

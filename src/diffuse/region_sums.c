@@ -176,3 +176,19 @@ cleanup:
     igi_free(residual);
     return status;
 }
+
+igi_status igi_albedo_of_rows(igi_context *ctx, const igi_problem *problem, const igi_rows *rows,
+                              const float *irradiance, igi_diffuse *diffuse)
+{
+    igi_status status = IGI_OK;
+    igi_region_sums *sums = NULL;
+    igi_places places = {0};
+    IGI_TRY_GOTO(igi_places_create(ctx, problem, rows, irradiance, &places));
+    IGI_TRY_GOTO(igi_region_sums_create(ctx, problem, &sums));
+    (void)igi_region_sums_albedo(sums, &places, diffuse->albedo);
+    IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &places, diffuse));
+cleanup:
+    igi_places_clear(&places);
+    igi_region_sums_destroy(sums);
+    return status;
+}
