@@ -14,7 +14,7 @@ extern "C" {
 typedef struct igi_render_options {
     size_t struct_size;
     int samples;   /* paths a pixel; default 64 */
-    int max_depth; /* edges of a path; default 64 (Russian roulette from the 5th) */
+    int max_depth; /* edges of a path; default 1024 (Russian roulette from the 5th) */
 } igi_render_options;
 
 IGI_API void igi_render_options_init(igi_render_options *options);
@@ -50,6 +50,9 @@ typedef struct igi_relight_options {
     const char *edits;   /* a file { "regions": { .. } } with what is changed of materials.json's
                           * "model", "albedo", "albedo_map", "specular", "specular_rgb", "alpha", in
                           * any region; may be NULL */
+    const char *sensors; /* a file of points that measure light, a line each: X Y Z and the way it
+                          * faces; they are written as illuminance.csv, each by 64 paths for one of
+                          * a pixel; may be NULL */
     double target_error; /* passes of render.samples go on until the mean standard deviation of a
                           * pixel is this share of the mean pixel; 0: one pass (default) */
     bool variance;       /* also NAME.variance.exr, the variance of each pixel's mean */
@@ -66,7 +69,7 @@ typedef struct igi_relight_options {
 
 IGI_API void igi_relight_options_init(igi_relight_options *options);
 
-/* Writes a picture of each frame of `cameras` (a cameras' file) into the existing folder `output`,
+/* Writes a picture of each frame of `cameras` (a cameras' file, or NULL) into the existing folder `output`,
  * named as its image, as OpenEXR: what `folder` holds, the result of a recovery or the truth of a
  * scene. */
 IGI_API IGI_MUST_USE igi_status igi_relight(igi_context *context, const char *folder,

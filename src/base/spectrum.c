@@ -34,6 +34,11 @@ void igi_rgb_of_xyz(const double xyz[3], double rgb[3])
         rgb[i] = matrix[i][0] * xyz[0] + matrix[i][1] * xyz[1] + matrix[i][2] * xyz[2];
 }
 
+double igi_luminance(const double rgb[3])
+{
+    return 0.2126729 * rgb[0] + 0.7151522 * rgb[1] + 0.0721750 * rgb[2];
+}
+
 void igi_xyz_of_spectrum(igi_spectrum_fn *power, const void *user, double xyz[3])
 {
     xyz[0] = xyz[1] = xyz[2] = 0;
@@ -50,7 +55,7 @@ void igi_colour_of_spectrum(igi_spectrum_fn *power, const void *user, double rgb
     igi_xyz_of_spectrum(power, user, xyz);
     igi_rgb_of_xyz(xyz, rgb);
     for (int i = 0; i < 3; i++) rgb[i] = fmax(0, rgb[i]);
-    double luminance = 0.2126729 * rgb[0] + 0.7151522 * rgb[1] + 0.0721750 * rgb[2];
+    double luminance = igi_luminance(rgb);
     for (int i = 0; i < 3; i++) rgb[i] = luminance > 0 ? rgb[i] / luminance : 1;
 }
 

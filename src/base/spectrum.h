@@ -20,6 +20,9 @@ double igi_planck(double nm, double kelvin);
 /* Linear RGB of the primaries and the white (D65) of IEC 61966-2-1, from XYZ. */
 void igi_rgb_of_xyz(const double xyz[3], double rgb[3]);
 
+/* Y of linear RGB of those primaries. */
+double igi_luminance(const double rgb[3]);
+
 /* Relative power at a wavelength in nm. */
 typedef double igi_spectrum_fn(const void *user, double nm);
 /* XYZ of a spectrum, 360 to 830 nm in steps of 1 nm; per unit of power, not per 683 lm. */

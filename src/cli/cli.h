@@ -19,8 +19,8 @@ typedef struct cli_values {
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
         *cache, *peer, *points, *basis, *convert;
     double samples, seeds;
-    bool aov, png, preview, relight;           /* relight; report */
-    const char *to, *edits, *insert, *forward; /* export; relight */
+    bool aov, png, preview, relight;                     /* relight; report */
+    const char *to, *edits, *insert, *forward, *sensors; /* export; relight */
     double search, square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
         tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos,

@@ -10,10 +10,11 @@ static igi_status save_manifest(cli_session *s, const char *folder, double noise
 {
     char command[4096], text[24][32];
     igi_setting settings[24];
-    const char *given[] = {s->values.cameras, s->values.lights, s->values.insert, s->values.edits};
-    const char *inputs[4];
+    const char *given[] = {s->values.cameras, s->values.lights, s->values.insert, s->values.edits,
+                           s->values.sensors};
+    const char *inputs[5];
     size_t input_count = 0;
-    for (size_t i = 0; i < 4; i++)
+    for (size_t i = 0; i < 5; i++)
         if (given[i]) inputs[input_count++] = given[i];
     cli_command_line(s, command, sizeof command);
     size_t count = cli_settings(s, settings, text, 23);
@@ -33,9 +34,11 @@ static igi_status run(cli_session *s)
     igi_output *output = NULL;
     igi_relight_options options;
     double noise = 0;
-    if (!values->output || !values->cameras) {
-        fprintf(stderr, values->output ? "igi: relight: which views? give a file with --cameras\n"
-                                       : "igi: relight: where to? give a folder with -o\n");
+    if (!values->output || !(values->cameras || values->sensors)) {
+        fprintf(stderr, values->output
+                            ? "igi: relight: which views? give a file with --cameras (or "
+                              "--sensors)\n"
+                            : "igi: relight: where to? give a folder with -o\n");
         return IGI_E_USAGE;
     }
     igi_relight_options_init(&options);
@@ -51,6 +54,7 @@ static igi_status run(cli_session *s)
     options.lights = values->lights;
     options.insert = values->insert;
     options.edits = values->edits;
+    options.sensors = values->sensors;
     options.target_error = values->target_error;
     options.variance = values->variance;
     options.layers = values->aov;
@@ -66,7 +70,7 @@ static igi_status run(cli_session *s)
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && !values->quiet)
-        printf("%s: written; noise %.3g %% of the mean pixel\n", values->output, 100 * noise);
+        printf("%s: written; noise %.3g %%\n", values->output, 100 * noise);
     igi_output_destroy(output);
     return status;
 }
@@ -83,6 +87,10 @@ const cli_command cli_relight = {
         "OUT is what `igi recover` wrote, or a scene's truth folder. DIR receives an EXR for\n"
         "each frame of T.json, named as its image. An emitter that L.json leaves out is dark.\n"
         "With --target-error, --samples is the size of a pass: passes follow until the mean\n"
-        "standard deviation of a pixel is that share of the mean pixel.",
+        "standard deviation of a pixel is that share of the mean pixel. With --sensors, DIR "
+        "receives\n"
+        "illuminance.csv: lux and W m^-2 at the points that the file lists, a line each: X Y Z "
+        "and\n"
+        "the way that the sensor faces. --cameras may then be left out.",
     .run = run,
 };

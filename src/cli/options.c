@@ -100,6 +100,8 @@ static const option options[] = {
      "render a picture for each lamp, to be relit by hand on the page"},
     {"cameras", 0, TEXT, CLI_RELIGHT | CLI_EXPORT | CLI_REPORT, AT(cameras), "FILE", NULL, 0, 0,
      "transforms.json, or a COLMAP folder: the views"},
+    {"sensors", 0, TEXT, CLI_RELIGHT, AT(sensors), "FILE", NULL, 0, 0,
+     "points that measure light, a line each: X Y Z and the way it faces; illuminance in lux"},
     {"samples", 0, WHOLE, CLI_RELIGHT | CLI_REPORT, AT(samples), "N", "0", 0, MANY,
      "paths a pixel; noise falls with their square root; 0: 64, or 8 for a preview"},
     {"insert", 0, TEXT, CLI_RELIGHT, AT(insert), "FILE", NULL, 0, 0,

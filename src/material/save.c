@@ -229,7 +229,7 @@ static int put_place(json_t *o, const igi_light *l, const igi_scene *scene)
     return bad;
 }
 
-static json_t *light_json(const igi_light *l, const double *std, int bands, const igi_scene *scene)
+json_t *igi_light_json(const igi_light *l, const double *std, int bands, const igi_scene *scene)
 {
     const char *key = igi_light_value_key(l->type);
     bool scale = l->type == IGI_LIGHT_GONIOMETRIC || l->type == IGI_LIGHT_ENV;
@@ -262,7 +262,8 @@ igi_status igi_materials_save(igi_context *ctx, const igi_materials *materials,
         IGI_TRY_GOTO(region_json(ctx, &materials->materials[i], bands, regions));
     for (size_t i = 0; i < materials->light_count; i++) {
         const double *std = materials->light_std ? materials->light_std[i] : NULL;
-        bad |= json_array_append_new(lights, light_json(&materials->lights[i], std, bands, scene));
+        bad |= json_array_append_new(lights,
+                                     igi_light_json(&materials->lights[i], std, bands, scene));
     }
     bad |= json_object_set_new(root, "igi", json_integer(1));
     bad |= json_object_set_new(root, "scene",

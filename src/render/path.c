@@ -116,35 +116,71 @@ static bool go_on(const igi_renderer *r, const surface *s, sampler *points, igi_
     return true;
 }
 
+/* A path on its way: where it is, how it goes on, and what it may still bring. */
+typedef struct walk {
+    igi_vec origin, normal, direction;
+    float throughput[IGI_MAX_BANDS], pdf; /* of the direction; negative: the camera's */
+    int edge;
+    uint64_t rays;
+} walk;
+
+/* From edge number w->edge to the path's end. */
+static uint64_t follow(const igi_renderer *r, walk *w, int max_depth, sampler *points,
+                       float *radiance, path_parts *parts)
+{
+    float *first = parts ? parts->direct : radiance;
+    for (;; w->edge++) {
+        surface s;
+        igi_hit hit = w->edge == 1 ? igi_trace(r->tracer, w->origin, w->direction)
+                                   : igi_trace_off(r->tracer, w->origin, w->normal, w->direction);
+        w->rays++;
+        if (w->edge == 1 || !r->mirrors)
+            add_emission(r, w->origin, w->direction, &hit, w->pdf, w->throughput,
+                         w->edge <= 2 ? first : radiance);
+        if (hit.triangle == IGI_NO_HIT || w->edge >= max_depth) break;
+        surface_at(r, &hit, w->direction, &s);
+        if (s.finish->absorbs) break;
+        for (int b = 0; b < r->bands && parts && w->edge == 1; b++) parts->albedo[b] += s.albedo[b];
+        if (r->cache_edge && w->edge >= r->cache_edge) {
+            igi_cache_add(r->cache, &s, &hit, w->throughput, radiance);
+            break;
+        }
+        w->rays += add_direct(r, &s, points, w->throughput, w->edge == 1 ? first : radiance);
+        if (r->mirrors ? !surface_mirror(&s, r->bands, &w->direction, w->throughput)
+                       : !go_on(r, &s, points, &w->direction, w->throughput, &w->pdf))
+            break;
+        w->origin = s.point;
+        w->normal = s.normal;
+        if (w->edge >= FIRST_ROULETTE && !survive(r->bands, points, w->throughput)) break;
+    }
+    return w->rays;
+}
+
 uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, int max_depth,
                     sampler *points, float *radiance, path_parts *parts)
 {
-    float throughput[IGI_MAX_BANDS], pdf = -1, *first = parts ? parts->direct : radiance;
-    igi_vec normal = {0, 0, 0};
-    uint64_t rays = 0;
-    for (int b = 0; b < r->bands; b++) throughput[b] = 1;
-    for (int edge = 1;; edge++) {
-        surface s;
-        igi_hit hit = edge == 1 ? igi_trace(r->tracer, origin, direction)
-                                : igi_trace_off(r->tracer, origin, normal, direction);
-        rays++;
-        if (edge == 1 || !r->mirrors)
-            add_emission(r, origin, direction, &hit, pdf, throughput, edge <= 2 ? first : radiance);
-        if (hit.triangle == IGI_NO_HIT || edge >= max_depth) break;
-        surface_at(r, &hit, direction, &s);
-        if (s.finish->absorbs) break;
-        for (int b = 0; b < r->bands && parts && edge == 1; b++) parts->albedo[b] += s.albedo[b];
-        if (edge == r->cache_edge) {
-            igi_cache_add(r->cache, &s, &hit, throughput, radiance);
-            break;
-        }
-        rays += add_direct(r, &s, points, throughput, edge == 1 ? first : radiance);
-        if (r->mirrors ? !surface_mirror(&s, r->bands, &direction, throughput)
-                       : !go_on(r, &s, points, &direction, throughput, &pdf))
-            break;
-        origin = s.point;
-        normal = s.normal;
-        if (edge >= FIRST_ROULETTE && !survive(r->bands, points, throughput)) break;
+    walk w = {.origin = origin, .direction = direction, .pdf = -1, .edge = 1};
+    for (int b = 0; b < r->bands; b++) w.throughput[b] = 1;
+    return follow(r, &w, max_depth, points, radiance, parts);
+}
+
+uint64_t trace_irradiance(const igi_renderer *r, igi_vec point, igi_vec normal, int max_depth,
+                          sampler *points, float *irradiance)
+{
+    static const finish white = {.model = IGI_LAMBERT};
+    float u, v;
+    walk w = {.origin = point, .normal = normal, .edge = 2};
+    surface s = {.point = point, .normal = normal, .out = {0, 0, 1}, .finish = &white};
+    igi_frame_of(normal, &s.t, &s.b);
+    for (int b = 0; b < r->bands; b++) {
+        s.albedo[b] = IGI_PIF; /* so that the radiance that leaves it is the irradiance */
+        w.throughput[b] = 1;
     }
-    return rays;
+    w.rays = add_direct(r, &s, points, w.throughput, irradiance);
+    if (max_depth < 2) return w.rays;
+    for (int b = 0; b < r->bands; b++) w.throughput[b] = IGI_PIF;
+    sampler_next(points, &u, &v);
+    w.direction = igi_cosine_direction(normal, u, v);
+    w.pdf = fmaxf(0.0f, igi_dot(w.direction, normal)) / IGI_PIF;
+    return follow(r, &w, max_depth, points, irradiance, NULL);
 }

@@ -57,7 +57,7 @@ igi_vec surface_sample(const surface *s, float choice, float u, float v);
  * what the lobe would send there were it infinitely narrow; false when there is no lobe. */
 bool surface_mirror(const surface *s, int bands, igi_vec *direction, float *throughput);
 
-/* Sample points, stratified over `batch` (1, 4 or 16) samples of a pixel. */
+/* Sample points, stratified over `batch` samples of a pixel, a power of two. */
 typedef struct sampler {
     uint64_t key;   /* of the batch */
     uint32_t index; /* within the batch */
@@ -76,5 +76,9 @@ typedef struct path_parts {
  * `parts` (may be NULL) its direct light is added there instead. */
 uint64_t trace_path(const igi_renderer *r, igi_vec origin, igi_vec direction, int max_depth,
                     sampler *s, float *radiance, path_parts *parts);
+/* Adds an estimate of the irradiance of the side of `normal` at a point of no surface; returns the
+ * rays it took. */
+uint64_t trace_irradiance(const igi_renderer *r, igi_vec point, igi_vec normal, int max_depth,
+                          sampler *s, float *irradiance);
 
 #endif

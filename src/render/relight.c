@@ -82,6 +82,20 @@ cleanup:
     return status;
 }
 
+static igi_status measure(const relighting *r)
+{
+    const igi_relight_options *o = r->options;
+    char *table = NULL;
+    double noise = 0;
+    igi_stage_begin(r->ctx, "sensors");
+    IGI_TRY(igi_strprintf(r->ctx, &table, "%s/illuminance.csv", r->output));
+    igi_status status = igi_sensors_measure(r->ctx, r->renderer, o->sensors, &o->render,
+                                            o->target_error, table, &noise);
+    if (o->noise) *o->noise = fmax(*o->noise, noise);
+    igi_free(table);
+    return status;
+}
+
 igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras,
                        const igi_relight_options *options, const char *output)
 {
@@ -100,7 +114,7 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
     if (options->edits) IGI_TRY_GOTO(igi_materials_edit(ctx, materials, options->edits));
     if (options->lights)
         IGI_TRY_GOTO(igi_lights_load(ctx, scene, options->lights, &lights, &light_count));
-    IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &count));
+    if (cameras) IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &count));
     IGI_TRY_GOTO(
         igi_renderer_create(ctx, scene, materials, options->lights ? lights : materials->lights,
                             options->lights ? light_count : materials->light_count, &renderer));
@@ -117,6 +131,7 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
     if (options->noise) *options->noise = 0;
     relighting r = {ctx, &adjusted, output, renderer, scene->bands, 0};
     for (size_t i = 0; i < count; i++) IGI_TRY_GOTO(render_frame(&r, &frames[i], i));
+    if (options->sensors) IGI_TRY_GOTO(measure(&r));
 cleanup:
     igi_stage_begin(ctx, NULL);
     igi_renderer_destroy(renderer);

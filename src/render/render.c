@@ -14,7 +14,8 @@
 
 void igi_render_options_init(igi_render_options *options)
 {
-    *options = (igi_render_options){.struct_size = sizeof *options, .samples = 64, .max_depth = 64};
+    *options = (igi_render_options){
+        .struct_size = sizeof *options, .samples = 64, .max_depth = 1024};
 }
 
 static const igi_material *material_of(const igi_materials *materials, const igi_scene *scene,

@@ -39,4 +39,13 @@ IGI_MUST_USE igi_status igi_renderer_frames(igi_context *ctx, const igi_renderer
                                             const igi_render_options *options, uint64_t key,
                                             const igi_layers *layers);
 
+/* Reads sensors from the file `path` and writes what they measure into the file `table`: irradiance
+ * and illuminance of the side that each faces. Each takes IGI_SENSOR_PATHS times options->samples
+ * paths, doubled until its relative standard deviation is `target` (0: not doubled). *noise receives
+ * the largest relative standard deviation. */
+#define IGI_SENSOR_PATHS 64
+IGI_MUST_USE igi_status igi_sensors_measure(igi_context *ctx, const igi_renderer *renderer,
+                                            const char *path, const igi_render_options *options,
+                                            double target, const char *table, double *noise);
+
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Padded (0,2)-nets: every pair of dimensions takes the first 1, 4 or 16 points of Sobol's first
- * two dimensions, in an order and with digits scrambled by a hash (Kollig and Keller 2002). Every
+ * Padded (0,2)-nets: every pair of dimensions takes the first 1, 4, 16 or more points of Sobol's
+ * first two dimensions, in an order and with digits scrambled by a hash (Kollig and Keller 2002). Every
  * batch is an independent, unbiased set, so that the spread of the batches is the picture's
  * variance.
  */
@@ -28,10 +28,28 @@ static uint32_t shuffle(uint32_t i, uint32_t mask, uint32_t key)
     return (i * 0xc860a3dfu + key) & mask;
 }
 
+/* Beyond the tables: digits reversed, and Sobol's second dimension. */
+static void net_point(uint32_t i, uint32_t *x, uint32_t *y)
+{
+    *x = *y = 0;
+    for (uint32_t a = 1u << 31, b = 1u << 31; i; i >>= 1, a >>= 1, b ^= b >> 1)
+        if (i & 1) {
+            *x |= a;
+            *y ^= b;
+        }
+}
+
 void sampler_next(sampler *s, float *u, float *v)
 {
     uint64_t h = igi_hash64(s->key + s->dimension++);
     uint32_t i = shuffle(s->index, s->mask, (uint32_t)(h ^ h >> 29));
-    *u = igi_u32_to_float((first[i] << 28) ^ (uint32_t)(h >> 32));
-    *v = igi_u32_to_float((second[i] << 28) ^ (uint32_t)(h >> 4));
+    uint32_t x, y;
+    if (s->mask < 16) {
+        x = first[i] << 28;
+        y = second[i] << 28;
+    } else {
+        net_point(i, &x, &y);
+    }
+    *u = igi_u32_to_float(x ^ (uint32_t)(h >> 32));
+    *v = igi_u32_to_float(y ^ (uint32_t)(h >> 4));
 }

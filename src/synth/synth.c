@@ -84,37 +84,39 @@ static igi_status read_lights(maker *m)
 }
 
 /* A camera's unit is its own: area lights are then to be read from the photographs. */
-static json_t *lights_to_tell(const maker *m)
+static void forget_radiance(json_t *lights)
 {
-    json_t *lights = json_deep_copy(m->spec.lights.value);
-    for (size_t i = 0; m->photos && i < json_array_size(lights); i++) {
+    for (size_t i = 0; i < json_array_size(lights); i++) {
         json_t *light = json_array_get(lights, i);
         const char *type = json_string_value(json_object_get(light, "type"));
         if (type && strcmp(type, "area") == 0) json_object_del(light, "radiance");
     }
-    return lights;
 }
 
 static igi_status write_manifest(const maker *m)
 {
-    json_t *regions = json_object();
-    int bad = !regions;
+    igi_status status = IGI_OK;
+    char *path = NULL;
+    json_t *regions = json_object(), *lights = NULL, *root = NULL;
     for (size_t i = 0; i < m->scene->region_count; i++) {
         const igi_material *material = material_of(m, i);
         json_t *o = json_object();
+        int bad = 0;
         if (material->textured) bad |= json_object_set_new(o, "textured", json_true());
         if (material->emitter) bad |= json_object_set_new(o, "emitter", json_true());
-        bad |= json_object_set_new(regions, m->scene->regions[i].name, o);
+        if (bad | json_object_set_new(regions, m->scene->regions[i].name, o))
+            IGI_TRY_GOTO(igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it"));
     }
-    json_t *root = json_pack("{si ss ss ss so so}", "igi", 1, "name", m->spec.name, "mesh",
-                             "scene.obj", "cameras", "transforms.json", "lights", lights_to_tell(m),
-                             "regions", regions);
-    char *path = NULL;
-    igi_status status = bad || !root
-                            ? igi_fail(m->ctx, IGI_E_SYSTEM, "scene.json: no memory to write it")
-                            : path_in(m, "scene.json", &path);
-    if (status == IGI_OK) status = igi_file_save_json(m->ctx, path, root, 9);
+    IGI_TRY_GOTO(lights_keep(m->ctx, &m->spec.lights, m->folder, &lights));
+    if (m->photos) forget_radiance(lights);
+    root = json_pack("{si ss ss ss sO sO}", "igi", 1, "name", m->spec.name, "mesh", "scene.obj",
+                     "cameras", "transforms.json", "lights", lights, "regions", regions);
+    IGI_TRY_GOTO(path_in(m, "scene.json", &path));
+    IGI_TRY_GOTO(igi_file_save_json(m->ctx, path, root, 9));
+cleanup:
     igi_free(path);
+    json_decref(regions);
+    json_decref(lights);
     json_decref(root);
     return status;
 }
@@ -254,18 +256,23 @@ static igi_status make_relit(maker *m, size_t number)
     igi_status status = IGI_OK;
     igi_light *lights = NULL;
     size_t count = 0;
-    char *folder = NULL, *path = NULL;
-    json_t *root = json_pack("{sO}", "lights", set->lights.value);
-    IGI_TRY_GOTO(number ? igi_strprintf(m->ctx, &folder, "relit%zu/", number + 1)
-                        : igi_strdup(m->ctx, "relit/", &folder));
+    char *name = NULL, *folder = NULL, *path = NULL;
+    json_t *kept = NULL, *root = NULL;
+    IGI_TRY_GOTO(number ? igi_strprintf(m->ctx, &name, "relit%zu/", number + 1)
+                        : igi_strdup(m->ctx, "relit/", &name));
     IGI_TRY_GOTO(igi_lights_read(m->ctx, &set->lights, m->scene, &lights, &count));
     lit_by by = {"relit views", lights, count};
-    IGI_TRY_GOTO(make_views(m, folder, &set->views, &by, NULL, NULL));
-    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/%slights.json", m->folder, folder));
+    IGI_TRY_GOTO(make_views(m, name, &set->views, &by, NULL, NULL));
+    IGI_TRY_GOTO(path_in(m, name, &folder));
+    IGI_TRY_GOTO(lights_keep(m->ctx, &set->lights, folder, &kept));
+    root = json_pack("{sO}", "lights", kept);
+    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%slights.json", folder));
     IGI_TRY_GOTO(igi_file_save_json(m->ctx, path, root, 9));
 cleanup:
+    json_decref(kept);
     json_decref(root);
     igi_lights_destroy(lights, count);
+    igi_free(name);
     igi_free(folder);
     igi_free(path);
     return status;

@@ -117,6 +117,11 @@ typedef struct shown {
     const size_t *highlight; /* [regions] pixels */
 } shown;
 
+/* Copies the files that the spec's lights name into the scene's folder; *lights, the caller's, names
+ * them there. */
+IGI_MUST_USE igi_status lights_keep(igi_context *ctx, const igi_json *array, const char *folder,
+                                    json_t **lights);
+
 /* truth.json */
 IGI_MUST_USE igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
                                    const igi_tracer *tracer, const shown *by, const char *path);

@@ -4,6 +4,7 @@
  */
 #include "synth/synth.h"
 #include "base/file.h"
+#include "material/material.h"
 
 #include <math.h>
 #include <string.h>
@@ -89,7 +90,11 @@ igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
         double seen = seen_share(scene, tracer, i, by);
         bad = !m || add_region(regions, region, m, scene->bands, seen, by->highlight[i]);
     }
-    bad |= json_object_set(root, "lights", s->lights.value);
+    json_t *lights = json_array();
+    for (size_t i = 0; i < scene->light_count; i++)
+        bad |= json_array_append_new(lights,
+                                     igi_light_json(&scene->lights[i], NULL, scene->bands, scene));
+    bad |= json_object_set_new(root, "lights", lights);
     igi_status status = bad ? igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory to write it", path)
                             : igi_file_save_json(ctx, path, root, 9);
     json_decref(root);

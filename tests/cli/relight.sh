@@ -73,7 +73,6 @@ expect 0 'names no mtllib' "$igi" relight room/truth --cameras room/transforms.j
     --samples 1 -o grey
 rm s.mtl
 expect 3 's\.mtl' "$igi" relight room/truth --cameras room/transforms.json --insert s.obj -o bad
-finish
 
 # A light's file is named from the scene's folder, wherever igi is run.
 printf '%s\n' IESNA:LM-63-2002 TILT=NONE '1 1000 1 2 1 1 2 0 0 0' '1 1 10' '0 180' '0' '20 20' >room/lamp.ies
@@ -93,3 +92,4 @@ expect 0 "" "$igi" recover -q room -o result --model lambert
 expect 0 "" "$igi" relight -q result --cameras room/transforms.json --samples 1 -o lamp2
 rm room/lamp.ies
 expect 3 'lamp\.ies' "$igi" relight -q result --cameras room/transforms.json --samples 1 -o lamp3
+finish
