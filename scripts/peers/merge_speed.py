@@ -5,7 +5,8 @@
 usage: scripts/peers/merge_speed.py LIST|IMAGE...     8-bit photographs with EXIF, or a list of them
 
 Both read the files, recover the response and merge on one thread; OpenCV (Python's cv2) by Debevec
-and by Robertson. Memory is the most that was resident, in bytes a pixel.
+and by Robertson. Memory is the most that was resident, in bytes a pixel, and what of it goes beyond
+the result (igi's: radiance, variances, a mask; OpenCV's: radiance) for each exposure.
 """
 import os
 import pathlib
@@ -48,15 +49,17 @@ def main():
         pixels = said["width"] * said["height"]
         files = [e["file"] for e in said["exposures"]]
         times = ",".join(str(e["stated"]) for e in said["exposures"])
-        rows = [("igi", *measure([*map(str, ours)]))]
+        rows = [("igi", 7 * 4, *measure([*map(str, ours)]))]
         for way in ("Debevec", "Robertson"):
-            rows.append((f"OpenCV, {way}", *measure(
+            rows.append((f"OpenCV, {way}", 3 * 4, *measure(
                 [sys.executable, "-c", PEER, way, f"{folder}/b.hdr", times, *files])))
     print(f"{len(files)} photographs of {pixels / 1e6:.2f} million pixels")
-    print("| | CPU s | of igi's | MB | bytes a pixel |\n| --- | ---: | ---: | ---: | ---: |")
-    for name, cpu, memory in rows:
-        print(f"| {name} | {cpu:.2f} | {cpu / rows[0][1]:.2f} | {memory / 1e6:.0f} |"
-              f" {memory / pixels:.1f} |")
+    print("| | CPU s | of igi's | MB | bytes a pixel | beyond the result, a pixel and exposure |\n"
+          "| --- | ---: | ---: | ---: | ---: | ---: |")
+    for name, result, cpu, memory in rows:
+        beyond = (memory / pixels - result) / len(files)
+        print(f"| {name} | {cpu:.2f} | {cpu / rows[0][2]:.2f} | {memory / 1e6:.0f} |"
+              f" {memory / pixels:.1f} | {beyond:.1f} |")
 
 
 main()

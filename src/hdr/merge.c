@@ -30,9 +30,9 @@
 #define FLOOR_CODES (10. / 256)
 /* What tells a thing that moved from noise and a rough response: exposures of at least .04 that differ by
  * a third (more where the response was fitted to the same pictures) and by six standard deviations. */
-#define MOVED_LEAST .04
-#define MOVED_SHARE .33
-#define FITTED_MOVED_SHARE .6
+#define MOVED_LEAST .04f
+#define MOVED_SHARE .33f
+#define FITTED_MOVED_SHARE .6f
 #define MOVED_SIGMAS 6.0
 /* Its mark in the channel "saturated". */
 #define MOVED_MARK .5f
@@ -122,81 +122,101 @@ static void note_residual(accumulator *acc, double u)
     acc->residuals[bin < 0 ? 0 : bin >= RESIDUAL_BINS ? RESIDUAL_BINS - 1 : bin]++;
 }
 
-static double joint_fade(const accumulator *acc, const uint16_t *codes, bool linear)
+static float joint_fade(const accumulator *acc, const uint16_t *codes, bool linear)
 {
-    double fade = 1;
+    float fade = 1;
     /* A developed raw pixel mixes its sensor's channels: one clipped spoils all. */
     for (int c = 0; linear && c < acc->channels; c++)
-        fade = fmin(fade, (double)acc->fade[codes[c]]);
+        if (acc->fade[codes[c]] < fade) fade = acc->fade[codes[c]];
     return fade;
+}
+
+/* One pixel of a photograph: its exposures, and those that the longer photographs predict. */
+typedef struct sight {
+    const uint16_t *codes;
+    float x[3], predicted[3]; /* predicted: x where nothing is known yet */
+    bool known[3];
+} sight;
+
+static void look(const accumulator *acc, const igi_response *response, float h, const float *pixel,
+                 sight *s)
+{
+    const float *curve = response->exposure;
+    for (int c = 0; c < acc->channels; c++, curve += response->levels) {
+        float weight = pixel[2 * acc->channels - c];
+        s->known[c] = weight > 0;
+        s->x[c] = curve[s->codes[c]];
+        s->predicted[c] = s->known[c] ? pixel[c] / weight * h : s->x[c];
+    }
 }
 
 /* Something moved: where both are well exposed, the photograph shows clearly else than the longer
  * ones. They count, being the surer; the pixel is marked. */
-static bool has_moved(const accumulator *acc, const igi_response *response, const uint16_t *codes,
-                      double h, const float *pixel)
+static bool has_moved(const accumulator *acc, const sight *s, double h, const float *pixel)
 {
+    float share = acc->fitted ? FITTED_MOVED_SHARE : MOVED_SHARE;
     for (int c = 0; c < acc->channels; c++) {
-        double weight = (double)pixel[2 * acc->channels - c], x;
-        if (!(weight > 0) || acc->fade[codes[c]] < 1) continue;
-        x = (double)response->exposure[(size_t)c * (size_t)response->levels + codes[c]];
-        double predicted = (double)pixel[c] / weight * h, off = fabs(x - predicted);
-        double high = fmax(x, predicted);
-        if (high < MOVED_LEAST || off < (acc->fitted ? FITTED_MOVED_SHARE : MOVED_SHARE) * high)
-            continue;
-        double variance = (double)acc->noise[c][noise_index((float)predicted)] + h * h / weight;
-        if (off * off > MOVED_SIGMAS * MOVED_SIGMAS * variance) return true;
+        float x = s->x[c], predicted = s->predicted[c];
+        float high = x > predicted ? x : predicted, off = fabsf(x - predicted);
+        if (high < MOVED_LEAST || off < share * high) continue;
+        if (!s->known[c] || acc->fade[s->codes[c]] < 1) continue;
+        double weight = (double)pixel[2 * acc->channels - c];
+        double variance = (double)acc->noise[c][noise_index(predicted)] + h * h / weight;
+        if ((double)(off * off) > MOVED_SIGMAS * MOVED_SIGMAS * variance) return true;
     }
     return false;
 }
 
-static void add_pixel(accumulator *acc, const igi_response *response, const uint16_t *codes,
-                      double joint, double h, float *pixel, bool sample_residual)
+static void add_pixel(accumulator *acc, const sight *s, float joint, float h, float *pixel,
+                      bool sample_residual)
 {
-    size_t levels = (size_t)response->levels;
-    float *weights = pixel + acc->channels + 1;
     for (int c = 0; c < acc->channels; c++) {
-        float *sum = &pixel[c], *weight = &weights[acc->channels - 1 - c];
-        double fade = fmin(joint, (double)acc->fade[codes[c]]);
-        double x = (double)response->exposure[(size_t)c * levels + codes[c]];
+        float *sum = &pixel[c], *weight = &pixel[2 * acc->channels - c];
+        float fade = acc->fade[s->codes[c]];
+        if (joint < fade) fade = joint;
         if (!(fade > 0)) {
             acc->saturated++;
             continue;
         }
-        bool known = *weight > 0;
-        double predicted = known ? (double)*sum / (double)*weight * h : x;
-        if (known && predicted < (double)acc->floor[c]) continue;
-        double variance = (double)acc->noise[c][noise_index((float)predicted)];
-        double w = h * h / variance;
-        if (known && sample_residual && fade == 1) {
-            double d = (x - predicted) / h;
-            note_residual(acc, d * d / (1 / w + 1 / (double)*weight));
+        if (s->known[c] && s->predicted[c] < acc->floor[c]) continue;
+        float w = acc->weight[c][noise_index(s->predicted[c])];
+        if (sample_residual && s->known[c] && fade >= 1) {
+            double d = (double)((s->x[c] - s->predicted[c]) / h);
+            note_residual(acc, d * d / (1 / (double)w + 1 / (double)*weight));
         }
-        *sum += (float)(w * fade * x / h);
-        *weight += (float)(w * fade);
+        *sum += w * fade * s->x[c] / h;
+        *weight += w * fade;
     }
 }
+
+/* Of so many pixels one tells of the scatter. */
+#define RESIDUAL_STEP 29
 
 void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_response *response,
                          double h, igi_shift shift)
 {
     size_t channels = (size_t)acc->channels, stride = 2 * channels + 1;
+    for (size_t c = 0; c < channels; c++)
+        for (int i = 0; i < NOISE_SIZE; i++)
+            acc->weight[c][i] = (float)(h * h / (double)acc->noise[c][i]);
     acc->saturated = acc->samples = acc->moved = 0;
+    sight s;
     for (int y = 0; y < acc->image->height; y++)
         for (int x = 0; x < acc->image->width; x++) {
             size_t at = igi_hdr_shifted(photo, x, y, shift);
             if (at == SIZE_MAX) continue;
             size_t to = (size_t)y * (size_t)acc->image->width + (size_t)x;
             float *pixel = acc->image->samples + to * stride;
-            const uint16_t *codes = photo->codes + at * channels;
+            s.codes = photo->codes + at * channels;
+            look(acc, response, (float)h, pixel, &s);
             acc->samples += channels;
-            if (has_moved(acc, response, codes, h, pixel)) {
+            if (has_moved(acc, &s, h, pixel)) {
                 pixel[channels] = MOVED_MARK;
                 acc->moved++;
                 if (!acc->fitted) continue; /* a rough curve marks more than what moved */
             }
-            add_pixel(acc, response, codes, joint_fade(acc, codes, photo->linear), h, pixel,
-                      to % 7 == 0);
+            add_pixel(acc, &s, joint_fade(acc, s.codes, photo->linear), (float)h, pixel,
+                      to % RESIDUAL_STEP == 0);
         }
 }
 
@@ -213,6 +233,16 @@ static double measured_scatter(const accumulator *acc)
     return 1;
 }
 
+/* To .1 %: what a variance is never known to, and a quarter of the file. */
+static float rounded(float variance)
+{
+    uint32_t bits;
+    memcpy(&bits, &variance, sizeof bits);
+    bits = (bits + (1u << 13)) & ~((1u << 14) - 1);
+    memcpy(&variance, &bits, sizeof bits);
+    return variance;
+}
+
 /* Where nothing was below saturation, the shortest exposure's full scale is a lower bound. */
 double igi_accumulator_finish(accumulator *acc, double shortest_h, bool noise_is_known)
 {
@@ -226,10 +256,10 @@ double igi_accumulator_finish(accumulator *acc, double shortest_h, bool noise_is
             float *variance = &pixel[channels + 1 + (channels - 1 - c)];
             if (*variance > 0) {
                 pixel[c] /= *variance;
-                *variance = (float)(scale / (double)*variance);
+                *variance = rounded((float)(scale / (double)*variance));
             } else {
                 pixel[c] = (float)(1 / shortest_h);
-                *variance = pixel[c] * pixel[c];
+                *variance = rounded(pixel[c] * pixel[c]);
                 pixel[channels] = 1;
             }
         }

@@ -19,10 +19,11 @@ typedef struct noise_model {
 typedef struct accumulator {
     igi_image *image; /* the result, whose channels hold the sums meanwhile */
     int channels;
-    float *fade;                /* [levels] weight towards saturation */
-    float noise[3][NOISE_SIZE]; /* variance of an exposure */
-    float floor[3];             /* exposure below which a sample is not worth its bias */
-    bool fitted;                /* the response was, to the same photographs */
+    float *fade;                 /* [levels] weight towards saturation */
+    float noise[3][NOISE_SIZE];  /* variance of an exposure */
+    float weight[3][NOISE_SIZE]; /* of a sample: h^2 / noise, of the photograph added last */
+    float floor[3];              /* exposure below which a sample is not worth its bias */
+    bool fitted;                 /* the response was, to the same photographs */
     uint64_t residuals[RESIDUAL_BINS];
     uint64_t samples, saturated, moved; /* of the photograph added last */
 } accumulator;

@@ -3,6 +3,7 @@
  * Images into OpenEXR files, whole or not at all: written beside, then renamed.
  */
 #include "base/file.h"
+#include "image/exr_deflate.h"
 
 #include <igi/image.h>
 
@@ -42,22 +43,12 @@ static exr_result_t write_header(exr_context_t file, const igi_image *image, igi
     return code == EXR_ERR_SUCCESS ? exr_write_header(file) : code;
 }
 
-/* A chunk that compresses to just its own size would be taken for an uncompressed one when read:
- * store it uncompressed (OpenEXR issue 2306, until 3.4.7). */
-typedef exr_result_t (*compress_fn)(exr_encode_pipeline_t *pipeline);
-
-static exr_result_t compress_unmistakably(exr_encode_pipeline_t *pipeline)
-{
-    exr_result_t code = (*(const compress_fn *)pipeline->encoding_user_data)(pipeline);
-    if (code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes)
-        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
-    return code;
-}
-
-static exr_result_t write_pixels(exr_context_t file, const igi_image *image)
+static exr_result_t write_pixels(igi_context *ctx, exr_context_t file, const igi_image *image,
+                                 igi_exr_depth depth)
 {
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-    compress_fn compress = NULL;
+    /* The mantissas of floats are noise, on which effort is lost. */
+    igi_exr_deflater deflater = {.ctx = ctx, .level = depth == IGI_EXR_HALF ? 6 : 1};
     int32_t lines = 1;
     size_t pixel = (size_t)image->channels, row = pixel * (size_t)image->width;
     exr_result_t code = exr_get_scanlines_per_chunk(file, 0, &lines);
@@ -79,12 +70,12 @@ static exr_result_t write_pixels(exr_context_t file, const igi_image *image)
         }
         if (code == EXR_ERR_SUCCESS && y == 0) {
             code = exr_encoding_choose_default_routines(file, 0, &pipeline);
-            compress = pipeline.compress_fn;
-            pipeline.encoding_user_data = &compress;
-            pipeline.compress_fn = compress_unmistakably;
+            pipeline.encoding_user_data = &deflater;
+            pipeline.compress_fn = igi_exr_deflate;
         }
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(file, 0, &pipeline);
     }
+    igi_exr_deflater_free(&deflater, &pipeline);
     exr_encoding_destroy(file, &pipeline);
     return code;
 }
@@ -101,7 +92,7 @@ igi_status igi_image_save_exr(igi_context *ctx, const igi_image *image, igi_exr_
     errno = 0;
     exr_result_t code = exr_start_write(&file, beside, EXR_WRITE_FILE_DIRECTLY, &options);
     if (code == EXR_ERR_SUCCESS) code = write_header(file, image, depth);
-    if (code == EXR_ERR_SUCCESS) code = write_pixels(file, image);
+    if (code == EXR_ERR_SUCCESS) code = write_pixels(ctx, file, image, depth);
     if (file) {
         exr_result_t closing = exr_finish(&file);
         if (code == EXR_ERR_SUCCESS) code = closing;

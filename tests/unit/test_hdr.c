@@ -10,6 +10,7 @@
 #include <igi/hdr.h>
 
 #include <png.h>
+#include <sys/resource.h>
 
 static double gaussian(igi_rng *rng)
 {
@@ -171,6 +172,45 @@ static void ratios_are_recovered(void)
     CHECK(igi_merge(ctx, exposures, FRAMES, NULL, &merged) == IGI_E_DATA && !merged);
     CHECK_CONTAINS(igi_context_message(ctx), "test_hdr_2.png: false exposures");
     remove_bracket(paths);
+    igi_context_destroy(ctx);
+}
+
+/* The same through a curve and 8 bits, both well known. */
+static void write_srgb(const char *path, double h, uint64_t seed)
+{
+    static uint8_t codes[WIDTH * HEIGHT];
+    igi_rng rng = igi_rng_make(seed, 1);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        double light = radiance_at(i % WIDTH) * texture_at(i % WIDTH, i / WIDTH);
+        double x = fmax(0, fmin(1, poisson(&rng, FULL_WELL * light * h) / FULL_WELL));
+        double code = x <= .0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - .055;
+        codes[i] = (uint8_t)floor(255 * code + .5);
+    }
+    png_image writer = {
+        .version = PNG_IMAGE_VERSION, .width = WIDTH, .height = HEIGHT, .format = PNG_FORMAT_GRAY};
+    if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
+}
+
+static void ratios_by_a_known_curve(void)
+{
+    static const double rounded[4] = {1.05, .96, 1.02, .97};
+    igi_context *ctx = test_context(1);
+    igi_exposure exposures[4];
+    char paths[4][40];
+    igi_merged *merged = NULL;
+    igi_merge_options options;
+    for (int i = 0; i < 4; i++) {
+        snprintf(paths[i], 40, "test_hdr_srgb_%d.png", i);
+        write_srgb(paths[i], true_h[i], 70 + (uint64_t)i);
+        exposures[i] = (igi_exposure){.path = paths[i], .time_s = true_h[i] * rounded[i]};
+    }
+    igi_merge_options_init(&options);
+    options.response = IGI_RESPONSE_SRGB;
+    CHECK_OK(ctx, igi_merge(ctx, exposures, 4, &options, &merged));
+    for (int i = 0; merged && i + 1 < 4; i++)
+        CHECK_NEAR(merged->frames[i].used / merged->frames[i + 1].used, 4, .005 * 4);
+    igi_merged_destroy(merged);
+    for (int i = 0; i < 4; i++) remove(paths[i]);
     igi_context_destroy(ctx);
 }
 
@@ -523,6 +563,13 @@ static void phone_by_exif(void)
     merge_by_exif("real/hdr_iphonexr", names, 3, &merged);
     if (!merged) return;
     CHECK(merged->image->width == 3024 && merged->image->height == 4032);
+    /* Streaming: beside the result there are two photographs at a time, 6 bytes a pixel each. */
+    struct rusage usage;
+    double pixels = 3024. * 4032;
+    if (getrusage(RUSAGE_SELF, &usage) != 0) abort();
+    printf("phone: %.1f bytes a pixel, 28 of them the result\n",
+           (double)usage.ru_maxrss * 1024 / pixels);
+    CHECK((double)usage.ru_maxrss * 1024 < (28 + 3 * 8) * pixels);
     /* The hand that pressed the button moved the phone by some pixels. */
     CHECK(abs(merged->frames[0].shift_x - merged->frames[1].shift_x) <= 8);
     CHECK(merged->frames[1].shift_x == 0 && merged->frames[1].shift_y == 0);
@@ -600,6 +647,7 @@ static void responses_from_few_numbers(void)
 
 TEST_MAIN({"merges_at_the_cramer_rao_bound", merges_at_the_cramer_rao_bound},
           {"ratios_are_recovered", ratios_are_recovered},
+          {"ratios_by_a_known_curve", ratios_by_a_known_curve},
           {"what_all_clip_is_marked", what_all_clip_is_marked},
           {"responses_from_few_numbers", responses_from_few_numbers},
           {"what_moves_is_marked", what_moves_is_marked},
