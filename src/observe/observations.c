@@ -38,6 +38,9 @@ typedef struct frame_pixels {
     uint32_t first_broken;
     char *warning;     /* about the photograph; NULL: none */
     size_t hits, back; /* pixels that show a surface, and its clockwise side */
+    size_t outline_count;
+    igi_outline *outlines;
+    double lit_gaps;
 } frame_pixels;
 
 typedef struct job {
@@ -199,6 +202,10 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     IGI_TRY_GOTO(check_pixels(ctx, j->scene, frame, &j->frames[frame], &visible));
     IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, image, &visible, 1 / meta->camera.fl_x,
                                           &j->registrations[frame]));
+    frame_pixels *f = &j->frames[frame];
+    IGI_TRY_GOTO(igi_outlines_measure(ctx, j->scene, j->tracer, &meta->camera, image, &visible,
+                                      &f->outlines, &f->outline_count));
+    f->lit_gaps = igi_lit_gaps(j->scene, image, &visible);
 cleanup:
     igi_visible_clear(&visible);
     igi_image_destroy(image);
@@ -276,6 +283,20 @@ static igi_status join_all(igi_context *ctx, job *j, igi_observations *o)
     return IGI_OK;
 }
 
+static igi_status join_outlines(igi_context *ctx, const job *j, igi_observations *o)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < o->frame_count; i++) count += j->frames[i].outline_count;
+    IGI_TRY(IGI_ALLOC(ctx, count, &o->outlines));
+    for (size_t i = 0; i < o->frame_count; i++) {
+        const frame_pixels *f = &j->frames[i];
+        for (size_t k = 0; k < f->outline_count; k++)
+            o->outlines[o->outline_count++] = f->outlines[k];
+        o->lit_gaps += f->lit_gaps / (double)o->frame_count;
+    }
+    return IGI_OK;
+}
+
 static igi_status collect_warnings(igi_context *ctx, const job *j, igi_observations *o)
 {
     for (size_t i = 0; i < o->frame_count; i++) {
@@ -330,6 +351,7 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &o->scarce));
     IGI_TRY_GOTO(drop_edges(ctx, &j, o->scarce));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
+    IGI_TRY_GOTO(join_outlines(ctx, &j, o));
     *observations = o;
     o = NULL;
 cleanup:
@@ -340,6 +362,7 @@ cleanup:
         igi_free(j.frames[i].uv);
         igi_free(j.frames[i].radiance);
         igi_free(j.frames[i].warning);
+        igi_free(j.frames[i].outlines);
     }
     igi_photographs_close(j.photographs);
     igi_free(j.frames);
@@ -377,6 +400,7 @@ void igi_observations_destroy(igi_observations *observations)
     igi_free(observations->warnings);
     igi_free(observations->registrations);
     igi_free(observations->saturated);
+    igi_free(observations->outlines);
     igi_free(observations->frame_begin);
     igi_free(observations->scarce);
     igi_free(observations->surface);

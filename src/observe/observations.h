@@ -6,6 +6,7 @@
 #define IGI_SRC_OBSERVE_OBSERVATIONS_H
 
 #include "observe/edges.h"
+#include "observe/outlines.h"
 
 /* One side of one triangle, in one number. */
 static inline uint32_t igi_surface_of(const igi_hit *hit)
@@ -34,6 +35,9 @@ typedef struct igi_observations {
     bool *scarce;        /* [regions] few clean pixels, or none but those near its edges */
     igi_registration *registrations; /* [frame_count] */
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
+    size_t outline_count;
+    igi_outline *outlines; /* [outline_count] */
+    double lit_gaps;       /* mean over the photographs */
     size_t warning_count;
     char **warnings;
 } igi_observations;

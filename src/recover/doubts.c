@@ -6,6 +6,7 @@
  */
 #include "recover/doubts.h"
 
+#include "recover/doubts_private.h"
 #include "recover/residuals.h"
 
 #include "base/order.h"
@@ -15,7 +16,6 @@
 /* Limits: several times what rooms show where nothing is wrong (igi chart stability). */
 #define LAMP_OFF 0.005
 #define LAMP_SIGMAS 6.0
-#define LAMP_WRONG 0.1 /* a lamp that is off by more is no small error of its value */
 #define FEWEST_LAMP_PIXELS 20
 #define MOST_ALBEDO 1.0
 #define TREND 0.03
@@ -34,6 +34,11 @@ static igi_status warn(igi_context *ctx, igi_materials *m, igi_material *region,
 {
     return region ? igi_add_sentence(ctx, &region->warnings, &region->warning_count, sentence)
                   : igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+}
+
+igi_status igi_doubt_say(igi_context *ctx, igi_materials *m, char *sentence)
+{
+    return warn(ctx, m, NULL, sentence);
 }
 
 /* Median over the calm regions' surface: a lobe that was missed looks like a trend, too. `pairs` is
@@ -152,14 +157,6 @@ static lamp_view look_at_lamp(const igi_problem *p, int region)
     return (lamp_view){sum / n, sqrt(fmax(0, squares / n - sum / n * sum / n) / n), n};
 }
 
-static double area_of(const igi_mesh *mesh, int region)
-{
-    double area = 0;
-    for (uint32_t t = 0; t < mesh->triangle_count; t++)
-        if ((int)mesh->regions[t] == region) area += (double)igi_triangle_area(mesh, t);
-    return area;
-}
-
 /* *off: the mean over the lamps' light of what may be small errors of their values. */
 static igi_status doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials *m, double *off)
 {
@@ -172,9 +169,9 @@ static igi_status doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materi
         for (int b = 0; b < p->bands; b++) stated += light->value[b] / p->bands;
         if (seen.pixels < FEWEST_LAMP_PIXELS || !(stated > 0)) continue;
         double wrong = fabs(seen.mean / stated - 1),
-               power = stated * area_of(&p->scene->mesh, light->region);
+               power = stated * igi_lamp_area(&p->scene->mesh, light->region);
         all += power;
-        if (wrong < LAMP_WRONG) sum += power * wrong;
+        if (wrong < IGI_LAMP_WRONG) sum += power * wrong;
         if (!(wrong > fmax(LAMP_OFF, LAMP_SIGMAS * seen.error / stated))) continue;
         char *sentence;
         IGI_TRY(igi_strprintf(ctx, &sentence,
@@ -188,14 +185,21 @@ static igi_status doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materi
     return IGI_OK;
 }
 
+typedef struct shared_error {
+    double common; /* of all photographs against the lamps */
+    double gaps;   /* light that is missing, and is not measured with the rest */
+} shared_error;
+
 /* What the photographs of a place disagree about, and what all of them may share. Of a region with a
  * lobe, the fit has seen to the former. */
-static void widen(const igi_region_residual *r, double common, int bands, igi_material *m)
+static void widen(const igi_region_residual *r, const shared_error *shared, int bands,
+                  igi_material *m)
 {
     for (int b = 0; b < bands; b++) {
-        double rho = m->albedo[b], shared = common * fmax(0, 1 - rho);
+        double rho = m->albedo[b], common = shared->common * fmax(0, 1 - rho);
         double own = m->model == IGI_LAMBERT ? r->mean_error : 0;
-        m->albedo_std[b] = hypot(m->albedo_std[b], rho * hypot(own, shared));
+        double all = hypot(hypot(own, common), shared->gaps);
+        m->albedo_std[b] = hypot(m->albedo_std[b], rho * all);
     }
 }
 
@@ -204,7 +208,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
 {
     igi_status status = IGI_OK;
     igi_residuals *r = NULL;
-    double(*pairs)[2] = NULL, lamps_off = 0;
+    double(*pairs)[2] = NULL, lamps_off = 0, outlines_off = 0, gaps = 0;
     bool *diffuse = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &pairs));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &diffuse));
@@ -212,16 +216,20 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
         diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, diffuse, &r));
     IGI_TRY_GOTO(doubt_lamps(ctx, p, m, &lamps_off));
+    IGI_TRY_GOTO(igi_doubt_outlines(ctx, p, m, &outlines_off));
+    IGI_TRY_GOTO(igi_doubt_gaps(ctx, p, m, &gaps));
     IGI_TRY_GOTO(doubt_camera(ctx, r, m));
     double trend = typical_trend(r, pairs);
     IGI_TRY_GOTO(doubt_lights(ctx, trend, m));
     double drift = r->drift / sqrt(fmax(1, (double)p->observations->frame_count));
     double unexplained = sqrt(fmax(0, trend * trend - USUAL_TREND * USUAL_TREND));
-    double common = hypot(hypot(lamps_off, unexplained), hypot(drift, CORNER_MEAN * r->vignetting));
+    double lamps = hypot(lamps_off, outlines_off);
+    double camera = hypot(drift, CORNER_MEAN * r->vignetting);
+    const shared_error shared = {hypot(hypot(lamps, unexplained), camera), gaps};
     for (size_t i = 0; i < m->count; i++) {
         igi_material *region = &m->materials[i];
         if (region->emitter || !region->determined) continue;
-        widen(&r->regions[i], common, p->bands, region);
+        widen(&r->regions[i], &shared, p->bands, region);
         IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], r->usual_differ, p->bands, m, region));
     }
 cleanup:
