@@ -39,6 +39,19 @@ stdout() {
     grep -qE -e "$1" "$out" || fail "stdout lacks '$1': $(head -n 5 "$out")"
 }
 
+# browse PAGE: the document that a browser makes of it, in `dom`. Its console must be silent.
+# Without a browser the test ends here.
+browse() {
+    browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome) || {
+        [ "$failures" -eq 0 ] && skip "no chromium"
+        finish
+    }
+    "$browser" --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
+        --user-data-dir="$work/profile" --enable-logging=stderr --virtual-time-budget=8000 \
+        --dump-dom "file://$1" >dom 2>console || fail "the browser failed: $(tail -n 3 console)"
+    grep CONSOLE console && fail "the console of $1 is not silent"
+}
+
 skip() {
     echo "skipped: $*"
     exit 77

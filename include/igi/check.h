@@ -34,7 +34,8 @@ typedef struct igi_region_check {
     char *name;
     bool emitter;
     double area;                          /* m^2 */
-    double observed;                      /* share of its area that a photograph shows */
+    double observed;                      /* share of its area that a photograph shows, */
+    double seen_once;                     /* and that only one does */
     int views;                            /* photographs that show it */
     double angle_low_deg, angle_high_deg; /* of the views from its normal; NaN when it is unseen */
     double unseen; /* cosine-weighted share of what its seen parts face that no photograph shows, */
@@ -82,6 +83,9 @@ typedef struct igi_check {
 /* Reads the photographs once; takes about a second. */
 IGI_API IGI_MUST_USE igi_status igi_check_scene(igi_context *context, const igi_scene *scene,
                                                 igi_check **check);
+/* The same, and check.html in the existing folder: a page with pictures that needs nothing else. */
+IGI_API IGI_MUST_USE igi_status igi_check_page(igi_context *context, const igi_scene *scene,
+                                               const char *folder, igi_check **check);
 IGI_API void igi_check_destroy(igi_check *check);
 
 #ifdef __cplusplus

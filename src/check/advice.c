@@ -73,11 +73,7 @@ static bool shows(const igi_survey *s, igi_vec eye, igi_vec point, igi_vec norma
     if (cosine < 0) normal = igi_scale(normal, -1);
     if (fabsf(cosine) < LEAST_COS) return false;
     igi_vec start = igi_madd(point, normal, 2 * igi_tracer_epsilon(s->tracer));
-    if (mirrored) {
-        way = igi_normalize(way);
-        igi_vec out = igi_sub(igi_scale(normal, 2 * fabsf(cosine)), way);
-        if (!igi_survey_meets_lamp(s, start, out)) return false;
-    }
+    if (mirrored && !igi_survey_mirrors_lamp(s, eye, point, normal)) return false;
     return !igi_occluded(s->tracer, start, eye);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "check/check.h"
+#include "check/sketch.h"
 
 #include "material/material.h"
 #include "observe/saturation.h"
@@ -121,9 +121,9 @@ static igi_status take_warnings(igi_context *ctx, const igi_observations *o, igi
     return IGI_OK;
 }
 
-/* With the photographs as recovery would use them. */
+/* With the photographs as recovery would use them; with a folder, a page too. */
 static igi_status judge(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
-                        igi_observations *o, igi_check *check)
+                        igi_observations *o, const char *folder, igi_check *check)
 {
     igi_status status = IGI_OK;
     igi_survey survey = {0};
@@ -149,6 +149,7 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, const igi_trac
     IGI_TRY_GOTO(igi_judge_mesh(&c));
     IGI_TRY_GOTO(igi_judge_light(&c));
     IGI_TRY_GOTO(igi_judge_coverage(&c));
+    if (folder) IGI_TRY_GOTO(igi_sketch_save(&c, folder));
 cleanup:
     igi_survey_clear(&survey);
     igi_agreement_destroy(agreement);
@@ -157,6 +158,12 @@ cleanup:
 }
 
 igi_status igi_check_scene(igi_context *ctx, const igi_scene *scene, igi_check **check)
+{
+    return igi_check_page(ctx, scene, NULL, check);
+}
+
+igi_status igi_check_page(igi_context *ctx, const igi_scene *scene, const char *folder,
+                          igi_check **check)
 {
     igi_status status = IGI_OK;
     igi_check *made = NULL;
@@ -167,7 +174,7 @@ igi_status igi_check_scene(igi_context *ctx, const igi_scene *scene, igi_check *
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &made));
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &o));
-    IGI_TRY_GOTO(judge(ctx, scene, tracer, o, made));
+    IGI_TRY_GOTO(judge(ctx, scene, tracer, o, folder, made));
     *check = made;
     made = NULL;
 cleanup:

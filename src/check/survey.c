@@ -63,6 +63,7 @@ igi_status igi_survey_create(igi_context *ctx, const igi_scene *scene, const igi
     float size = PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);
     IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, size, &s->patches));
     IGI_TRY_GOTO(average_sides(ctx, s));
+    IGI_TRY_GOTO(igi_survey_coverage(ctx, s));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->light_count, &s->lights));
     for (size_t l = 0; l < scene->light_count; l++) {
         s->lights[l] = scene->lights[l];
@@ -82,6 +83,8 @@ void igi_survey_clear(igi_survey *s)
     igi_free(s->lights);
     igi_free(s->seen);
     igi_free(s->radiance);
+    igi_free(s->views);
+    igi_free(s->cosine);
     *s = (igi_survey){0};
 }
 
@@ -146,14 +149,18 @@ static void measure_areas(const igi_survey *s, igi_check *check, size_t *sides)
         bool shown = s->seen[2 * patch] + s->seen[2 * patch + 1] > 0;
         check->regions[r].area += area;
         if (shown) check->regions[r].observed += area;
+        if (s->views[2 * patch] + s->views[2 * patch + 1] == 1) check->regions[r].seen_once += area;
         if (!check->regions[r].emitter) {
             all += area;
             if (shown) seen += area;
         }
         sides[r] += (s->seen[2 * patch] > 0) + (s->seen[2 * patch + 1] > 0);
     }
-    for (size_t r = 0; r < check->region_count; r++)
-        if (check->regions[r].area > 0) check->regions[r].observed /= check->regions[r].area;
+    for (size_t r = 0; r < check->region_count; r++) {
+        if (!(check->regions[r].area > 0)) continue;
+        check->regions[r].observed /= check->regions[r].area;
+        check->regions[r].seen_once /= check->regions[r].area;
+    }
     check->unseen_area = all > 0 ? 1 - seen / all : 1;
 }
 

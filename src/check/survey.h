@@ -20,6 +20,8 @@ typedef struct igi_survey {
     igi_lighting *lighting;
     uint32_t *seen;       /* [2 patches] pixels of a side */
     float *radiance;      /* [2 patches][bands] their mean */
+    uint8_t *views;       /* [2 patches] photographs that show a side; 255: so many or more */
+    float *cosine;        /* [2 patches] of the view nearest its normal; 0: none */
     double unseen_unseen; /* share of what unseen sides face that is unseen itself */
 } igi_survey;
 
@@ -32,6 +34,8 @@ void igi_survey_clear(igi_survey *survey);
 bool igi_survey_lamp(const igi_survey *survey, int region, double radiance[IGI_MAX_BANDS]);
 /* Area, observed share, views; with rays: what is unseen or escapes, and a first albedo. */
 IGI_MUST_USE igi_status igi_survey_regions(igi_context *ctx, igi_survey *survey, igi_check *check);
+/* Which photographs show each side, and how near its normal the best one is. */
+IGI_MUST_USE igi_status igi_survey_coverage(igi_context *ctx, igi_survey *survey);
 /* A (place, photograph) pair each: angles of view, highlights predicted and seen. */
 IGI_MUST_USE igi_status igi_survey_views(igi_context *ctx, const igi_survey *survey,
                                          igi_check *check);
@@ -39,6 +43,8 @@ IGI_MUST_USE igi_status igi_survey_views(igi_context *ctx, const igi_survey *sur
 /* Does this direction, from this point, meet a lamp, or pass within a few degrees of one without
  * size? */
 bool igi_survey_meets_lamp(const igi_survey *survey, igi_vec point, igi_vec direction);
+/* Would a mirror at this point show a lamp to the eye? The normal is on the eye's side. */
+bool igi_survey_mirrors_lamp(const igi_survey *survey, igi_vec eye, igi_vec point, igi_vec normal);
 
 /* Where to take another photograph from. Places are reachable: in line with what a camera saw. */
 typedef struct igi_advice {

@@ -14,6 +14,32 @@
 #define CONE 0.1f        /* or six about the mirror's direction: a lobe has a width */
 #define CONE_RAYS 7
 
+igi_status igi_survey_coverage(igi_context *ctx, igi_survey *s)
+{
+    const igi_observations *o = s->observations;
+    size_t sides = 2 * s->patches->count;
+    uint32_t *last; /* the photograph that showed a side last, and one */
+    IGI_TRY(IGI_ALLOC(ctx, sides, &s->views));
+    IGI_TRY(IGI_ALLOC(ctx, sides, &s->cosine));
+    IGI_TRY(IGI_ALLOC(ctx, sides, &last));
+    for (size_t f = 0; f < o->frame_count; f++) {
+        igi_vec eye = igi_camera_centre(&s->scene->frames[f].camera);
+        for (size_t i = o->frame_begin[f]; i < o->frame_begin[f + 1]; i++) {
+            uint32_t t = igi_surface_triangle(o->surface[i]);
+            float u = o->uv[2 * i], v = o->uv[2 * i + 1];
+            uint32_t side = igi_side_at(s->patches, t, u, v, igi_surface_is_back(o->surface[i]));
+            if (last[side] == f + 1) continue;
+            last[side] = (uint32_t)f + 1;
+            if (s->views[side] < UINT8_MAX) s->views[side]++;
+            igi_vec way = igi_normalize(igi_sub(eye, igi_triangle_point(&s->scene->mesh, t, u, v)));
+            float cosine = fabsf(igi_dot(way, igi_tracer_normal(s->tracer, t)));
+            s->cosine[side] = fmaxf(s->cosine[side], cosine);
+        }
+    }
+    igi_free(last);
+    return IGI_OK;
+}
+
 static bool near_small_lamp(const igi_survey *s, size_t light, igi_vec point, igi_vec direction)
 {
     igi_light_sample sample;
@@ -45,6 +71,14 @@ bool igi_survey_meets_lamp(const igi_survey *s, igi_vec point, igi_vec direction
     return false;
 }
 
+bool igi_survey_mirrors_lamp(const igi_survey *s, igi_vec eye, igi_vec point, igi_vec normal)
+{
+    igi_vec way = igi_normalize(igi_sub(eye, point));
+    igi_vec start = igi_madd(point, normal, 2 * igi_tracer_epsilon(s->tracer));
+    igi_vec out = igi_sub(igi_scale(normal, 2 * igi_dot(way, normal)), way);
+    return igi_survey_meets_lamp(s, start, out);
+}
+
 /* One place before one camera. */
 static void look_from(const igi_survey *s, size_t frame, igi_vec point, igi_vec normal,
                       igi_region_check *out)
@@ -61,9 +95,7 @@ static void look_from(const igi_survey *s, size_t frame, igi_vec point, igi_vec 
     double angle = acos(fmin(1, fabs((double)cosine))) * 180 / IGI_PI;
     out->angle_low_deg = isnan(out->angle_low_deg) ? angle : fmin(out->angle_low_deg, angle);
     out->angle_high_deg = isnan(out->angle_high_deg) ? angle : fmax(out->angle_high_deg, angle);
-    way = igi_normalize(way);
-    igi_vec mirrored = igi_sub(igi_scale(normal, 2 * fabsf(cosine)), way);
-    if (!igi_survey_meets_lamp(s, start, mirrored)) return;
+    if (!igi_survey_mirrors_lamp(s, eye, point, normal)) return;
     out->highlights_predicted++;
     uint32_t pixel = (uint32_t)y * (uint32_t)camera->width + (uint32_t)x;
     out->highlights_seen += igi_observation_at(s->observations, frame, pixel) != SIZE_MAX;

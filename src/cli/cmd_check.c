@@ -50,6 +50,7 @@ static void print_region_json(const igi_region_check *r, int bands)
     printf(": {\"emitter\": %s, \"views\": %d", r->emitter ? "true" : "false", r->views);
     print_key("area", r->area);
     print_key("observed", r->observed);
+    print_key("seen_once", r->seen_once);
     print_key("angle_low_deg", r->angle_low_deg);
     print_key("angle_high_deg", r->angle_high_deg);
     print_key("unseen", r->unseen);
@@ -181,13 +182,41 @@ static void print_verdict(const igi_scene *scene, const igi_check *check)
     printf("\n%s: %s\n", scene->name, words[check->verdict]);
 }
 
+static igi_status save_manifest(cli_session *s, const igi_scene *scene, const char *folder)
+{
+    char command[4096], text[8][32];
+    igi_setting settings[8];
+    cli_command_line(s, command, sizeof command);
+    igi_manifest manifest = {.command = command,
+                             .setting_count = cli_settings(s, settings, text, 8),
+                             .settings = settings,
+                             .input_count = scene->file_count,
+                             .inputs = (const char *const *)scene->files};
+    return igi_manifest_save(s->context, &manifest, folder);
+}
+
+/* With -o, the page in a folder of its own. */
+static igi_status look(cli_session *s, const igi_scene *scene, igi_check **check)
+{
+    igi_output *output = NULL;
+    if (!s->values.output) return igi_check_scene(s->context, scene, check);
+    igi_status status = igi_output_begin(s->context, s->values.output, s->values.force,
+                                         s->arguments[0], &output);
+    if (status == IGI_OK)
+        status = igi_check_page(s->context, scene, igi_output_folder(output), check);
+    if (status == IGI_OK) status = save_manifest(s, scene, igi_output_folder(output));
+    if (status == IGI_OK) status = igi_output_commit(s->context, output);
+    igi_output_destroy(output);
+    return status;
+}
+
 static igi_status run(cli_session *s)
 {
     igi_scene *scene = NULL;
     igi_check *check = NULL;
     cli_progress_report(s, "scene", 0);
     igi_status status = igi_scene_load(s->context, s->arguments[0], &scene);
-    if (status == IGI_OK) status = igi_check_scene(s->context, scene, &check);
+    if (status == IGI_OK) status = look(s, scene, &check);
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && s->values.json) {
         print_json(scene, check);
@@ -195,6 +224,7 @@ static igi_status run(cli_session *s)
         print_assumptions(check);
         print_regions(check);
         print_verdict(scene, check);
+        if (s->values.output) printf("%s/check.html: written\n", s->values.output);
     }
     if (status == IGI_OK && check->verdict == IGI_FAILS) {
         status = IGI_E_NO_ANSWER;
@@ -212,7 +242,7 @@ const cli_command cli_check = {
     .name = "check",
     .bit = CLI_CHECK,
     .arguments = 1,
-    .usage = "check SCENE [--json]",
+    .usage = "check SCENE [-o DIR] [--json]",
     .summary = "what the photographs allow, which assumption fails, what to do",
     .example = "igi check my-room",
     .details =
@@ -220,6 +250,9 @@ const cli_command cli_check = {
         "and warns), or fails (exit status 1), with the number behind it and a remedy: often\n"
         "the place to take another photograph from. Of each region: the share that photographs\n"
         "show, how many do, their angles from its normal, the share of what it faces that none\n"
-        "shows, and at how many places a lamp is mirrored toward a camera.",
+        "shows, and at how many places a lamp is mirrored toward a camera. With -o, "
+        "DIR/check.html\n"
+        "is all of it with pictures: the mesh coloured by what is photographed, marks on the\n"
+        "photographs, and the views from the places to take another one from.",
     .run = run,
 };

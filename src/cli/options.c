@@ -29,7 +29,7 @@ typedef struct option {
 static const option options[] = {
     {"output", 'o', TEXT,
      CLI_RECOVER | CLI_SYNTH | CLI_MERGE | CLI_CALIBRATE | CLI_CORRECT | CLI_RELIGHT | CLI_CHART |
-         CLI_EXPORT | CLI_REGISTER,
+         CLI_EXPORT | CLI_REGISTER | CLI_CHECK,
      AT(output), "PATH", NULL, 0, 0, "where to write; it appears whole or not at all"},
     {"list", 0, TEXT, CLI_MERGE, AT(list), "FILE", NULL, 0, 0,
      "a line an image: NAME SECONDS [F-NUMBER [ISO]]; without it, EXIF"},
@@ -138,8 +138,9 @@ static const option options[] = {
      "threads to work with; 0: one for each processor"},
     {"seed", 0, WHOLE, CLI_ALL, AT(seed), "N", "1", 0, 9007199254740992.0,
      "of all random numbers; the same seed gives the same bytes"},
-    {"force", 'f', FLAG, CLI_RECOVER | CLI_SYNTH | CLI_CORRECT | CLI_RELIGHT | CLI_CHART, AT(force),
-     NULL, NULL, 0, 0, "replace a folder that igi did not write"},
+    {"force", 'f', FLAG,
+     CLI_RECOVER | CLI_SYNTH | CLI_CORRECT | CLI_RELIGHT | CLI_CHART | CLI_CHECK, AT(force), NULL,
+     NULL, 0, 0, "replace a folder that igi did not write"},
     {"dry-run", 'n', FLAG, CLI_RECOVER, AT(dry_run), NULL, NULL, 0, 0,
      "check the input, say what would be done, write nothing"},
     {"json", 0, FLAG, CLI_ALL, AT(json), NULL, NULL, 0, 0, "print the result as JSON"},

@@ -3,78 +3,15 @@
  * report.html: one page that needs nothing but itself. Pictures are inside, nothing is fetched.
  */
 #include "report/page.h"
-#include "base/file.h"
 
 #include "base/order.h"
 
 #include <igi/output.h>
 #include <igi/report.h>
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-void igi_page_text(const igi_page *page, const char *text)
-{
-    for (; *text; text++) switch (*text) {
-        case '<': fputs("&lt;", page->file); break;
-        case '>': fputs("&gt;", page->file); break;
-        case '&': fputs("&amp;", page->file); break;
-        case '"': fputs("&quot;", page->file); break;
-        default: putc(*text, page->file);
-        }
-}
-
-static void print_base64(FILE *f, const uint8_t *bytes, size_t size)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char block[4096];
-    size_t at = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        uint32_t triple = (uint32_t)bytes[i] << 16;
-        if (i + 1 < size) triple |= (uint32_t)bytes[i + 1] << 8;
-        if (i + 2 < size) triple |= bytes[i + 2];
-        block[at++] = digits[triple >> 18];
-        block[at++] = digits[triple >> 12 & 63];
-        block[at++] = i + 1 < size ? digits[triple >> 6 & 63] : '=';
-        block[at++] = i + 2 < size ? digits[triple & 63] : '=';
-        if (at == sizeof block || i + 3 >= size) {
-            fwrite(block, 1, at, f);
-            at = 0;
-        }
-    }
-}
-
-void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label)
-{
-    fprintf(page->file, "<img alt=\"%s\" src=\"data:image/png;base64,", label);
-    print_base64(page->file, bytes, size);
-    fputs("\">", page->file);
-}
-
-igi_status igi_page_png_file(const igi_page *page, const char *path, const char *label)
-{
-    igi_status status = IGI_OK;
-    uint8_t *bytes = NULL;
-    size_t size = 0, capacity = 0;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        IGI_TRY_GOTO(igi_fail(page->ctx, IGI_E_SYSTEM, "%s: cannot be read (%s); recover again",
-                              path, strerror(errno)));
-    for (size_t n = 1; n > 0; size += n) {
-        uint8_t *grown = igi_grow(page->ctx, bytes, &capacity, size + 65536, 1);
-        if (!grown) IGI_TRY_GOTO(IGI_E_SYSTEM);
-        bytes = grown;
-        n = fread(bytes + size, 1, 65536, file);
-    }
-    igi_page_png(page, bytes, size, label);
-cleanup:
-    if (file) fclose(file);
-    igi_free(bytes);
-    return status;
-}
 
 /* The middle one of the determined regions' relative sigmas; NaN when there is none. */
 static double typical_share(const igi_page *page, size_t *determined, size_t *surfaces)
@@ -121,23 +58,9 @@ static void print_tiles(const igi_page *page)
 static void print_head(const igi_page *page)
 {
     FILE *f = page->file;
-    const char *name = page->materials->scene[0] ? page->materials->scene : "a scene";
-    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta "
-          "name=\"viewport\" "
-          "content=\"width=device-width,initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
-          "<title>",
-          f);
-    igi_page_text(page, name);
-    fputs(" &middot; igi</title>\n<style>\n", f);
-    for (const char *const *line = igi_page_style; *line; line++) fprintf(f, "%s\n", *line);
-    fputs("</style></head><body><main>\n<header><p class=\"kicker\">igi &middot; inverse global "
-          "illumination</p><h1>",
-          f);
-    igi_page_text(page, name);
-    fputs(
-        "</h1><p class=\"lead\">What its surfaces are made of, recovered from photographs, and how "
-        "far they can be trusted.</p></header>\n",
-        f);
+    igi_page_begin(page, page->materials->scene[0] ? page->materials->scene : "a scene",
+                   "What its surfaces are made of, recovered from photographs, and how far they "
+                   "can be trusted.");
     print_tiles(page);
     if (page->materials->warning_count == 0) return;
     fputs("<div class=\"warnings\"><b>Warnings</b><ul>", f);
@@ -164,8 +87,9 @@ static void print_meaning(const igi_page *page)
         page->file);
 }
 
-static igi_status print_page(const igi_page *page)
+static igi_status print_page(const igi_page *page, const void *unused)
 {
+    (void)unused;
     print_head(page);
     igi_page_table(page);
     IGI_TRY(igi_page_spheres(page));
@@ -177,10 +101,7 @@ static igi_status print_page(const igi_page *page)
     print_meaning(page);
     igi_page_costs(page);
     igi_page_provenance(page);
-    fputs("</main>\n<script>\n", page->file);
-    for (const char *const *line = igi_page_script; *line; line++)
-        fprintf(page->file, "%s\n", *line);
-    fputs("</script></body></html>\n", page->file);
+    igi_page_end(page);
     return IGI_OK;
 }
 
@@ -197,23 +118,12 @@ static igi_status read_json(const igi_page *page, const char *name, json_t **roo
     return status;
 }
 
-static igi_status write_page(igi_page *page, const char *path)
-{
-    igi_file file;
-    IGI_TRY(igi_file_begin(page->ctx, path, &file));
-    page->file = file.stream;
-    igi_status status = print_page(page);
-    page->file = NULL;
-    return igi_file_end(page->ctx, &file, status);
-}
-
 igi_status igi_report(igi_context *ctx, const char *folder, const char *truth_folder)
 {
     igi_status status = IGI_OK;
     igi_materials *materials = NULL, *truth = NULL;
     char *path = NULL;
     igi_page page = {.ctx = ctx, .folder = folder};
-    igi_srgb_make(&page.srgb);
     IGI_TRY_GOTO(igi_materials_load(ctx, folder, &materials));
     page.materials = materials;
     if (truth_folder) IGI_TRY_GOTO(igi_materials_load(ctx, truth_folder, &truth));
@@ -226,7 +136,7 @@ igi_status igi_report(igi_context *ctx, const char *folder, const char *truth_fo
     IGI_TRY_GOTO(read_json(&page, "comparison/index.json", &page.comparisons));
     IGI_TRY_GOTO(read_json(&page, "relight/index.json", &page.relight));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/report.html", folder));
-    IGI_TRY_GOTO(write_page(&page, path));
+    IGI_TRY_GOTO(igi_page_write(&page, path, print_page, NULL));
 cleanup:
     json_decref(page.manifest);
     json_decref(page.comparisons);

@@ -25,6 +25,14 @@ typedef struct igi_page {
     igi_srgb srgb;
 } igi_page;
 
+/* Head and header; script and foot. */
+void igi_page_begin(const igi_page *page, const char *name, const char *lead);
+void igi_page_end(const igi_page *page);
+/* What `print` puts into page->file becomes the file `path`, whole or not at all. */
+typedef igi_status (*igi_page_fn)(const igi_page *page, const void *user);
+IGI_MUST_USE igi_status igi_page_write(igi_page *page, const char *path, igi_page_fn print,
+                                       const void *user);
+
 /* The style sheet and the script, line by line, ended by NULL. */
 extern const char *const igi_page_style[];
 extern const char *const igi_page_script[];
@@ -33,6 +41,9 @@ extern const char *const igi_page_script[];
 void igi_page_text(const igi_page *page, const char *text);
 /* An <img> with the bytes inside; `label` is its alternative text. */
 void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label);
+/* The same of pixels. */
+IGI_MUST_USE igi_status igi_page_pixels(const igi_page *page, const uint8_t *pixels, int width,
+                                        int height, int channels, const char *label);
 /* The same of a PNG file. */
 IGI_MUST_USE igi_status igi_page_png_file(const igi_page *page, const char *path,
                                           const char *label);

@@ -66,17 +66,6 @@ static void paint_sigma(const igi_image *sigma, float top, uint8_t *pixels)
     }
 }
 
-static igi_status print_pixels(const igi_page *page, const uint8_t *pixels, const igi_image *like,
-                               const char *label)
-{
-    uint8_t *bytes = NULL;
-    size_t size = 0;
-    IGI_TRY(igi_image_encode_png(page->ctx, pixels, like->width, like->height, 3, &bytes, &size));
-    igi_page_png(page, bytes, size, label);
-    igi_image_free_bytes(bytes);
-    return IGI_OK;
-}
-
 static igi_status print_sigma(const igi_page *page, const igi_image *map, const igi_image *map_std,
                               uint8_t *pixels)
 {
@@ -87,7 +76,7 @@ static igi_status print_sigma(const igi_page *page, const igi_image *map, const 
     IGI_TRY_GOTO(find_top(page, map, small, &top));
     paint_sigma(small, top, pixels);
     fputs("<figure>", page->file);
-    IGI_TRY_GOTO(print_pixels(page, pixels, small, "uncertainty"));
+    IGI_TRY_GOTO(igi_page_pixels(page, pixels, small->width, small->height, 3, "uncertainty"));
     fprintf(page->file,
             "<div class=\"ramp\" style=\"background:linear-gradient(90deg,#440154,#472c7a,#3b518b,"
             "#2c718e,#21908d,#27ad81,#5cc863,#aadc32,#fde725)\"></div><div class=\"ends\">"
@@ -109,7 +98,7 @@ static igi_status print_card(const igi_page *page, const igi_material *m)
     fputs("<div class=\"card\"><h3>", page->file);
     igi_page_text(page, m->region);
     fputs("</h3><div class=\"pair\"><figure>", page->file);
-    IGI_TRY_GOTO(print_pixels(page, pixels, small, "albedo"));
+    IGI_TRY_GOTO(igi_page_pixels(page, pixels, small->width, small->height, 3, "albedo"));
     fprintf(page->file,
             "<figcaption>albedo, %d &times; %d texels; %.0f&nbsp;%% observed in %d "
             "view%s</figcaption></figure>",

@@ -16,13 +16,6 @@ double igi_material_share(const igi_material *material, int bands)
     return largest;
 }
 
-void igi_page_percent(const igi_page *page, double fraction)
-{
-    double percent = 100 * fraction;
-    if (!isfinite(percent)) fputs("&ndash;", page->file);
-    else fprintf(page->file, "%.*f&nbsp;%%", percent < 1 ? 3 : percent < 10 ? 2 : 1, percent);
-}
-
 static void print_swatch(const igi_page *page, const igi_material *m)
 {
     uint8_t rgb[3];

@@ -24,8 +24,7 @@ static igi_status print_ball(const igi_page *page, const igi_material *m, const 
 {
     igi_status status = IGI_OK;
     igi_image *ball = NULL;
-    uint8_t *pixels = NULL, *bytes = NULL;
-    size_t size = 0;
+    uint8_t *pixels = NULL;
     int bands = page->materials->bands;
     IGI_TRY_GOTO(igi_sphere_draw(page->ctx, m, bands, SPHERE_SIDE, &ball));
     IGI_TRY_GOTO(IGI_ALLOC(page->ctx, 4 * (size_t)SPHERE_SIDE * SPHERE_SIDE, &pixels));
@@ -35,11 +34,8 @@ static igi_status print_ball(const igi_page *page, const igi_material *m, const 
             pixels[4 * i + (size_t)c] = igi_srgb_byte(&page->srgb, from[igi_band_of(c, bands)]);
         pixels[4 * i + 3] = (uint8_t)lrintf(255 * from[bands]);
     }
-    IGI_TRY_GOTO(
-        igi_image_encode_png(page->ctx, pixels, SPHERE_SIDE, SPHERE_SIDE, 4, &bytes, &size));
-    igi_page_png(page, bytes, size, label);
+    IGI_TRY_GOTO(igi_page_pixels(page, pixels, SPHERE_SIDE, SPHERE_SIDE, 4, label));
 cleanup:
-    igi_image_free_bytes(bytes);
     igi_image_destroy(ball);
     igi_free(pixels);
     return status;

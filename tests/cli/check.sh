@@ -26,7 +26,9 @@ assert len(c["assumptions"]) == 12 and len(c["photographs"]) == 6 and len(c["lig
 for a in c["assumptions"]:
     assert a["verdict"] in ("holds", "doubtful", "fails") and a["finding"]
     assert (a["remedy"] is None) == (a["verdict"] == "holds"), a
-assert 0 < c["regions"]["box"]["observed"] <= 1 and c["regions"]["panel"]["emitter"]
+assert 0 < c["regions"]["box"]["observed"] <= 1
+assert 0 < c["regions"]["box"]["seen_once"] < c["regions"]["box"]["observed"]
+assert c["regions"]["panel"]["emitter"]
 PY
 
 # A lamp that the photographs show brighter than scene.json has it.

@@ -5,20 +5,10 @@
 # shellcheck source=tests/check.sh
 . "$(dirname "$0")/../check.sh"
 
-browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome) ||
-    skip "no chromium"
 "$build/test_report" page >log 2>&1 || fail "the page was not made: $(tail -n 3 log)"
 page=$work/report_test/report.html
 
-# load FILE: its document, after loading, in `dom`; what the console said in `console`.
-load() {
-    "$browser" --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
-        --user-data-dir="$work/profile" --enable-logging=stderr --virtual-time-budget=4000 \
-        --dump-dom "file://$1" >dom 2>console || fail "the browser failed: $(tail -n 3 console)"
-    grep CONSOLE console && fail "the console of $1 is not silent"
-}
-
-load "$page"
+browse "$page"
 images=$(grep -c '<img ' "$page")
 count=$(grep -o '<img ' "$page" | wc -l)
 [ "$count" -ge 16 ] || fail "only $count images ($images lines)"
@@ -32,9 +22,9 @@ sed 's|</body>|<script>onload=()=>{const b=[...document.querySelectorAll("th but
 .find(b=>b.textContent=="observed");b.click();\
 document.body.dataset.order=[...document.querySelectorAll("tbody")[0].rows]\
 .map(r=>r.cells[1].firstChild.textContent).join("\|")}</script></body>|' "$page" >sorted.html
-load "$work/sorted.html"
+browse "$work/sorted.html"
 grep -q 'data-order="w.*nd|' dom || fail "order: $(grep -o 'data-order="[^"]*"' dom)"
 sed 's|iVBORw0KGgo|iVBORw0KGxx|' "$page" >broken.html
-load "$work/broken.html"
+browse "$work/broken.html"
 grep -q "data-images=\"$count/$count\"" dom && fail "a broken image goes unnoticed"
 finish
