@@ -49,7 +49,7 @@ typedef struct igi_relight_options {
     const char *insert;  /* a mesh to be put into the scene, an OBJ with its MTL; may be NULL */
     const char *edits;   /* a file { "regions": { .. } } with what is changed of materials.json's
                           * "model", "albedo", "albedo_map", "specular", "specular_rgb", "alpha", in
-                          * any region; may be NULL */
+                          * any region, or "albedo_hsv": [hue, saturation, value]; may be NULL */
     const char *sensors; /* a file of points that measure light, a line each: X Y Z and the way it
                           * faces; they are written as illuminance.csv, each by 64 paths for one of
                           * a pixel; may be NULL */

@@ -49,10 +49,39 @@ void igi_xyz_of_spectrum(igi_spectrum_fn *power, const void *user, double xyz[3]
     }
 }
 
+void igi_xyz_of_rgb(const double rgb[3], double xyz[3])
+{
+    static const double matrix[3][3] = {{0.4124564, 0.3575761, 0.1804375},
+                                        {0.2126729, 0.7151522, 0.0721750},
+                                        {0.0193339, 0.1191920, 0.9503041}};
+    for (int i = 0; i < 3; i++)
+        xyz[i] = matrix[i][0] * rgb[0] + matrix[i][1] * rgb[1] + matrix[i][2] * rgb[2];
+}
+
+double igi_linear_of_srgb(double code)
+{
+    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
+}
+
+void igi_rgb_of_hsv(const double hsv[3], double rgb[3])
+{
+    for (int i = 0; i < 3; i++) {
+        /* Each code is 1 within 60 degrees of its own hue, and 0 beyond 120, before s and v. */
+        double away = fabs(fmod(hsv[0] / 60 - 2 * i + 9, 6) - 3); /* in sextants */
+        double pure = fmin(1, fmax(0, 2 - away));
+        rgb[i] = igi_linear_of_srgb(hsv[2] * (1 - hsv[1] * (1 - pure)));
+    }
+}
+
 void igi_colour_of_spectrum(igi_spectrum_fn *power, const void *user, double rgb[3])
 {
     double xyz[3];
     igi_xyz_of_spectrum(power, user, xyz);
+    igi_colour_of_xyz(xyz, rgb);
+}
+
+void igi_colour_of_xyz(const double xyz[3], double rgb[3])
+{
     igi_rgb_of_xyz(xyz, rgb);
     for (int i = 0; i < 3; i++) rgb[i] = fmax(0, rgb[i]);
     double luminance = igi_luminance(rgb);

@@ -20,6 +20,12 @@ double igi_planck(double nm, double kelvin);
 /* Linear RGB of the primaries and the white (D65) of IEC 61966-2-1, from XYZ. */
 void igi_rgb_of_xyz(const double xyz[3], double rgb[3]);
 
+/* Its inverse. */
+void igi_xyz_of_rgb(const double rgb[3], double xyz[3]);
+/* Linear RGB of sRGB's codes in [0,1] (IEC 61966-2-1), and of hue in degrees, saturation and value,
+ * which are about those codes (Smith, SIGGRAPH 1978). */
+double igi_linear_of_srgb(double code);
+void igi_rgb_of_hsv(const double hsv[3], double rgb[3]);
 /* Y of linear RGB of those primaries. */
 double igi_luminance(const double rgb[3]);
 
@@ -28,7 +34,8 @@ typedef double igi_spectrum_fn(const void *user, double nm);
 /* XYZ of a spectrum, 360 to 830 nm in steps of 1 nm; per unit of power, not per 683 lm. */
 void igi_xyz_of_spectrum(igi_spectrum_fn *power, const void *user, double xyz[3]);
 
-/* The spectrum's colour with luminance 1; colours beyond the primaries are clipped to them. */
+/* The colour with luminance 1; colours beyond the primaries are clipped to them. */
+void igi_colour_of_xyz(const double xyz[3], double rgb[3]);
 void igi_colour_of_spectrum(igi_spectrum_fn *power, const void *user, double rgb[3]);
 void igi_colour_of_temperature(double kelvin, double rgb[3]);
 

@@ -7,6 +7,8 @@
  * "alpha" stands beside it); emitters carry their radiance; the scene has no name.
  */
 #include "material/material.h"
+
+#include "base/spectrum.h"
 #include "material/result.h"
 #include "scene/file_text.h"
 
@@ -304,8 +306,9 @@ cleanup:
 /* The keys that are there; an albedo without a map takes the place of the map. */
 static igi_status edit_region(const reader *r, const char *name, json_t *o, igi_material *m)
 {
-    static const char *const known[] = {"model",    "albedo",       "albedo_map",
-                                        "specular", "specular_rgb", "alpha"};
+    static const char *const known[] = {"model",        "albedo", "albedo_map", "specular",
+                                        "specular_rgb", "alpha",  "albedo_hsv"};
+    enum { KNOWN = sizeof known / sizeof known[0] };
     const char *map = json_string_value(json_object_get(o, "albedo_map"));
     if (!json_is_object(o) || m->emitter)
         return wrong(r, name, name, "an object, and of a region that is no lamp");
@@ -313,14 +316,21 @@ static igi_status edit_region(const reader *r, const char *name, json_t *o, igi_
     json_t *value;
     json_object_foreach (o, key, value) {
         size_t k = 0;
-        while (k < 6 && strcmp(known[k], key) != 0) k++;
-        if (k == 6)
+        while (k < KNOWN && strcmp(known[k], key) != 0) k++;
+        if (k == KNOWN)
             return wrong(r, name, key,
-                         "left out; known are model, albedo, albedo_map, specular, specular_rgb "
-                         "and alpha");
+                         "left out; known are model, albedo, albedo_hsv, albedo_map, specular, "
+                         "specular_rgb and alpha");
     }
     bool present = false, coloured = m->specular_is_rgb;
     IGI_TRY(read_numbers(r, name, o, "albedo", r->materials->bands, m->albedo, &present));
+    if (json_object_get(o, "albedo_hsv")) {
+        double hsv[3];
+        if (present || r->materials->bands != 3)
+            return wrong(r, name, "albedo_hsv", "in place of \"albedo\", and of 3 bands");
+        IGI_TRY(read_numbers(r, name, o, "albedo_hsv", 3, hsv, &present));
+        igi_rgb_of_hsv(hsv, m->albedo);
+    }
     for (int b = 0; b < r->materials->bands; b++)
         if (present && !(m->albedo[b] >= 0 && m->albedo[b] <= 1))
             return wrong(r, name, "albedo", "numbers from 0 to 1");

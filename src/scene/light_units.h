@@ -9,7 +9,7 @@
 
 #include <igi/scene.h>
 
-#define IGI_LIGHT_UNIT_KEYS 6
+#define IGI_LIGHT_UNIT_KEYS 8
 
 /* The keys that a kind of light may have in place of its value, NULLs behind the last. */
 const char *const *igi_light_unit_keys(igi_light_type type);

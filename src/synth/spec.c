@@ -4,6 +4,8 @@
  */
 #include "synth/synth.h"
 
+#include "scene/light_colour.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -40,7 +42,13 @@ igi_status member_vector(igi_context *ctx, const igi_json *object, const char *k
 
 igi_status read_bands(igi_context *ctx, const igi_json *at, int bands, double *value)
 {
-    if (json_is_array(at->value)) {
+    if (json_is_object(at->value)) {
+        static const char *const known[] = {"hsv"};
+        igi_json hsv = igi_json_member(at, "hsv");
+        IGI_TRY(igi_json_check_keys(ctx, at, known, 1));
+        if (bands != 3) return igi_json_fail(ctx, at, "is for 3 bands (RGB), these are %d", bands);
+        IGI_TRY(igi_json_hsv(ctx, &hsv, value));
+    } else if (json_is_array(at->value)) {
         IGI_TRY(igi_json_numbers(ctx, at, (size_t)bands, value));
     } else {
         IGI_TRY(igi_json_number(ctx, at, &value[0]));

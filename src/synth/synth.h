@@ -80,7 +80,7 @@ IGI_MUST_USE igi_status optional_int(igi_context *ctx, const igi_json *object, c
                                      int low, int high, int *value);
 IGI_MUST_USE igi_status member_vector(igi_context *ctx, const igi_json *object, const char *key,
                                       double value[3]);
-/* A number for all bands, or one for each. */
+/* A number for all bands, one for each, or { "hsv": [hue, saturation, value] }. */
 IGI_MUST_USE igi_status read_bands(igi_context *ctx, const igi_json *at, int bands, double *value);
 
 /* Adds the faces of one element of "shapes". */

@@ -45,7 +45,7 @@ def save(name, spec):
     with open(name, "w") as f: json.dump(spec, f)
 spec = json.load(open("dark.json"))
 del spec["bands"]
-spec["materials"]["wall"]["albedo"] = 0.5
+spec["materials"]["wall"]["albedo"] = {"hsv": [0, 0, 0.735357]}
 lamp = {"type": "goniometric", "position": [1, 1, 1.5], "profile": "lamps/lamp.ies"}
 area = {"type": "area", "region": "lamp", "luminance_cd_m2": 179}
 spec["relit"] = [{"lights": [dict(lamp, scale=2)]}]
@@ -61,5 +61,6 @@ for file in lit/lamp.ies lit/warm.csv lit/relit/lamp.ies; do [ -s $file ] || fai
 expect 0 "" "$igi" relight -q lit/truth --sensors sensors.txt -o own
 expect 0 "" "$igi" relight -q lit/truth --sensors sensors.txt --lights lit/relit/lights.json -o relit
 expect 0 "" "$igi" recover -q lit -o out --model lambert --dry-run
+grep -A1 '"albedo"' lit/truth/truth.json | grep -q '0.5000' || fail "no grey of a half: $(cat lit/truth/truth.json)"
 awk -F, 'NR == 2 { exit !($7 > 179 * 3.13 && $7 < 179 * 3.15) }' own/illuminance.csv || fail "$(cat own/illuminance.csv)"
 finish

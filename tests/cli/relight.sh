@@ -47,6 +47,9 @@ expect 2 'a method of its own' "$igi" relight room/truth --method direct --previ
 echo '{ "regions": { "walls": { "albedo": [0.7, 0.1, 0.1] } } }' >edits.json
 render edited --materials edits.json
 holds '$4 > $1 * .7 && $5 < $2 * .8'
+echo '{ "regions": { "walls": { "albedo_hsv": [0, 0.6, 0.854] } } }' >edits.json
+render hued --materials edits.json
+holds '$4 > $1 * .7 && $5 < $2 * .8'
 echo '{ "regions": { "walls": { "model": "ggx", "specular": 0.04, "alpha": 0.2 } } }' >edits.json
 render glossy --materials edits.json
 holds '$4 != $1'

@@ -94,6 +94,22 @@ static void colours(void)
         igi_colour_of_spectrum(at, &t, rgb);
         for (int k = 0; k < 3; k++) CHECK_NEAR(rgb[k], 1, 0.015); /* the white of the primaries */
     }
+    static const struct {
+        const char *file;
+        double x, y;
+    } others[] = {{"real/spectral/illuminant_D50.csv", 0.34567, 0.35851},
+                  {"real/spectral/illuminant_E.csv", 1. / 3, 1. / 3},
+                  {"real/spectral/illuminant_FL11.csv", 0.38052, 0.37713}};
+    for (int i = 0; i < 3; i++)
+        if (load_table(others[i].file, 1, &t)) {
+            igi_xyz_of_spectrum(at, &t, xyz);
+            check_chromaticity(xyz, others[i].x, others[i].y);
+        }
+    if (load_table("real/spectral/cie1924_V_lambda_1nm.csv", 1, &t))
+        for (int i = 0; i < t.count; i++) {
+            igi_cie_1931(t.nm[i], xyz);
+            CHECK(fabs(xyz[1] - t.value[i][0]) <= 0.008);
+        }
     if (load_table("real/spectral/illuminant_FL2.csv", 1, &t)) {
         igi_xyz_of_spectrum(at, &t, xyz);
         check_chromaticity(xyz, 0.37208, 0.37529);
@@ -103,6 +119,112 @@ static void colours(void)
     CHECK(rgb[0] > 0.9 && rgb[0] < 1.1 && rgb[2] > 0.9 && rgb[2] < 1.1);
     igi_colour_of_temperature(2700, rgb);
     CHECK(rgb[0] > 1.5 && rgb[2] < 0.4);
+}
+
+typedef struct product {
+    const table *light, *reflectance;
+} product;
+
+static double reflected(const void *user, double nm)
+{
+    const product *p = user;
+    return at(p->light, nm) * (p->reflectance ? at(p->reflectance, nm) : 1);
+}
+
+/* XYZ of a surface under a light, Y of the perfect diffuser 1. */
+static void colour_of_surface(const table *light, const table *reflectance, double xyz[3])
+{
+    double white[3];
+    product p = {light, NULL};
+    igi_xyz_of_spectrum(reflected, &p, white);
+    p.reflectance = reflectance;
+    igi_xyz_of_spectrum(reflected, &p, xyz);
+    for (int k = 0; k < 3; k++) xyz[k] /= white[1];
+}
+
+/* The ColorChecker's measured spectra under D50 against its published chromaticities and Y, and
+ * the Cornell box's under D65 against the linear RGB that colour-science has of them. */
+static void surfaces(void)
+{
+    static table light, patch;
+    char path[1024], line[2048];
+    double want[24][3], xyz[3], rgb[3], worst = 0;
+    int patches = 0;
+    if (!test_shared_data("real/spectral/colorchecker24_xyY_D50.csv", path, sizeof path)) return;
+    FILE *file = fopen(path, "r");
+    while (file && patches < 24 && fgets(line, sizeof line, file)) {
+        double *w = want[patches];
+        patches += sscanf(line, "%*[^,],%lf,%lf,%lf", &w[0], &w[1], &w[2]) == 3;
+    }
+    if (file) fclose(file);
+    CHECK(patches == 24);
+    CHECK(load_table("real/spectral/illuminant_D50.csv", 1, &light));
+    for (int k = 0; k < patches; k++) {
+        patch.count = 0;
+        if (!test_shared_data("real/spectral/colorchecker_babelcolor_average.csv", path,
+                              sizeof path))
+            return;
+        file = fopen(path, "r");
+        while (file && fgets(line, sizeof line, file)) {
+            char *number = line;
+            double *v = patch.value[patch.count];
+            patch.nm[patch.count] = atof(number);
+            for (int c = 0; c <= k && number; c++) number = strchr(number + 1, ',');
+            if (number && patch.nm[patch.count] > 0 && sscanf(number + 1, "%lf", v) == 1)
+                patch.count++;
+        }
+        if (file) fclose(file);
+        colour_of_surface(&light, &patch, xyz);
+        double sum = xyz[0] + xyz[1] + xyz[2];
+        double off = fmax(fabs(xyz[0] / sum - want[k][0]), fabs(xyz[1] / sum - want[k][1]));
+        worst = fmax(worst, off);
+        CHECK(off < 0.01);
+        CHECK_NEAR(xyz[1] / want[k][2], 1, 0.07); /* other paints since 2014 */
+    }
+    printf("ColorChecker: chromaticities within %.4f\n", worst);
+
+    static const double box[3][3] = {
+        {.737, .736, .739}, {.493, .049, .051}, {.068, .399, .086}}; /* white, red, green */
+    static table all;
+    CHECK(load_table("real/spectral/illuminant_D65.csv", 1, &light));
+    for (int i = 0; i < light.count; i++) /* the box was measured from 400 to 700 nm */
+        if (light.nm[i] < 400 || light.nm[i] > 700) light.value[i][0] = 0;
+    CHECK(load_table("real/spectral/cornell_box_measured_reflectance.csv", 3, &all));
+    for (int k = 0; k < 3; k++) {
+        patch = all;
+        for (int i = 0; i < all.count; i++) patch.value[i][0] = all.value[i][k];
+        colour_of_surface(&light, &patch, xyz);
+        igi_rgb_of_xyz(xyz, rgb);
+        for (int b = 0; b < 3; b++) CHECK_NEAR(rgb[b], box[k][b], 0.012);
+        igi_xyz_of_rgb(rgb, want[0]);
+        for (int b = 0; b < 3; b++) CHECK_NEAR(want[0][b], xyz[b], 1e-5);
+    }
+}
+
+/* Codes of sRGB in 1/255, as CSS Color 3 (W3C) lists them: hue, saturation and value beside. */
+static void hues(void)
+{
+    static const struct {
+        double hsv[3];
+        int code[3];
+    } named[] = {{{0, 1, 1}, {255, 0, 0}},
+                 {{38.82, 1, 1}, {255, 165, 0}},
+                 {{60, 1, 1}, {255, 255, 0}},
+                 {{120, 1, .5020}, {0, 128, 0}},
+                 {{174, .7143, .8784}, {64, 224, 208}},
+                 {{240, 1, 1}, {0, 0, 255}},
+                 {{302.26, .4862, .8549}, {218, 112, 214}},
+                 {{360, 1, 1}, {255, 0, 0}},
+                 {{25, .8633, .5451}, {139, 69, 19}},
+                 {{0, 0, .5020}, {128, 128, 128}}};
+    for (size_t i = 0; i < sizeof named / sizeof *named; i++) {
+        double rgb[3];
+        igi_rgb_of_hsv(named[i].hsv, rgb);
+        for (int k = 0; k < 3; k++)
+            CHECK_NEAR(rgb[k], igi_linear_of_srgb(named[i].code[k] / 255.0), 0.002);
+    }
+    CHECK_NEAR(igi_linear_of_srgb(.5), .214041, 1e-6);
+    CHECK_NEAR(igi_linear_of_srgb(.04), .04 / 12.92, 1e-12);
 }
 
 static igi_status load_lights(igi_context *ctx, const char *lights, igi_scene **scene)
@@ -141,9 +263,37 @@ static void units(void)
         CHECK(rgb[0] > 2 * rgb[2]);
     }
     igi_scene_destroy(scene);
+    /* Sodium's lines; the chromaticity of illuminant A; a pure red. */
+    CHECK_OK(ctx, load_lights(ctx,
+                              "{\"type\":\"ambient\",\"luminance_cd_m2\":179,\"lines\":[[589.0,2],"
+                              "[589.6,1]]},"
+                              "{\"type\":\"point\",\"position\":[0,0,0.5],\"intensity_cd\":179,"
+                              "\"xy\":[0.44758,0.40745]},"
+                              "{\"type\":\"directional\",\"direction\":[0,0,-1],\"illuminance_lx\":"
+                              "179,\"hsv\":[0,1,0.5]}",
+                              &scene));
+    if (scene) {
+        double want[3], xyz[3];
+        for (int l = 0; l < 3; l++) CHECK_NEAR(igi_luminance(scene->lights[l].value), 1, 1e-6);
+        CHECK(scene->lights[0].value[2] == 0 && scene->lights[0].value[0] > 1.5);
+        igi_xyz_of_rgb(scene->lights[1].value, xyz);
+        check_chromaticity(xyz, 0.44758, 0.40745);
+        igi_colour_of_temperature(2855.5, want);
+        for (int b = 0; b < 3; b++) CHECK_NEAR(scene->lights[1].value[b], want[b], 0.02);
+        CHECK_NEAR(scene->lights[2].value[0], 1 / 0.2126729, 1e-6);
+        CHECK(scene->lights[2].value[1] == 0);
+    }
+    igi_scene_destroy(scene);
     static const struct {
         const char *light, *sentence;
     } bad[] = {
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"hsv\":[400,1,1]}", "is no colour"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"hsv\":[40,1,0]}", "is black"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"xy\":[1,1]}", "no chromaticity"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"lines\":[[200,1]]}", "is no line"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"lines\":[]}", "an eye sees"},
+        {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"xy\":[0.3,0.3],\"hsv\":[1,1,1]}",
+         "beside \"xy\""},
         {"{\"type\":\"ambient\",\"radiance\":[1,1,1],\"luminance_cd_m2\":1}",
          "beside \"radiance\""},
         {"{\"type\":\"ambient\",\"illuminance_lx\":1}", "unknown key"},
@@ -209,4 +359,5 @@ static void sun(void)
     igi_context_destroy(ctx);
 }
 
-TEST_MAIN({"observer", observer}, {"colours", colours}, {"units", units}, {"sun", sun})
+TEST_MAIN({"observer", observer}, {"colours", colours}, {"surfaces", surfaces}, {"hues", hues},
+          {"units", units}, {"sun", sun})
