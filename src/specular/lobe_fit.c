@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * A search over a grid of roughnesses finds the basin, wherever it is; a second grid about it, then
- * Ceres, find its bottom. Ceres works on a table of five roughnesses about the optimum, interpolated
- * in ln alpha by Lagrange's polynomials, whose derivative is exact; the albedos are eliminated inside
- * of each residual block (lobe_profile.c). One Newton step afterwards takes out the bias that the
- * noise of S leaves, which least squares cannot express.
+ * A search over a grid of roughnesses finds the basins, wherever they are; a second grid about each
+ * says which is likeliest, and Ceres finds its bottom. Weights depend on the lobe that is there, and
+ * with weights of its own another basin may win: each is judged by its own likelihood, not by the
+ * misfits of one choice of weights. Ceres works on a table of five roughnesses about the optimum,
+ * interpolated in ln alpha by Lagrange's polynomials, whose derivative is exact; the albedos are
+ * eliminated inside of each residual block (lobe_profile.c). One Newton step afterwards takes out the
+ * bias that the noise of S leaves, which least squares cannot express.
  */
 #include "specular/lobe_fit.h"
 
@@ -14,9 +16,14 @@
 
 #include <string.h>
 
-#define GRID 13
+#define GRID IGI_TABLE_ALPHAS
+#define MOST_BASINS 8
+#define MOST_SHIFTS 16
+#define POLISHES 3
+#define NOTHING 0.5 /* of -2 ln likelihood */
 #define FINE 5
 #define FEWEST_RESIDUALS 10
+#define FEW_RESIDUALS 500
 #define FINE_RATIO 1.13
 #define ROUNDS 4
 
@@ -255,43 +262,164 @@ static void widen(igi_lobe_estimate *e)
 }
 
 /* A fine table about e->alpha, shifted until the best lies inside of it. */
+static igi_status locate(igi_context *ctx, igi_profile *f, igi_model model, igi_lobe_table *table,
+                         igi_lobe_estimate *e)
+{
+    double alphas[FINE], reach = pow(FINE_RATIO, FINE / 2), high = highest_alpha(model);
+    for (int attempt = 0; attempt < MOST_SHIFTS; attempt++) {
+        igi_lobe_table_clear(table);
+        double centre = fmax(IGI_FIT_ALPHA_LOW, fmin(high, e->alpha));
+        spread_alphas(fmax(IGI_FIT_ALPHA_LOW, centre / reach), fmin(high, centre * reach), FINE,
+                      alphas);
+        IGI_TRY(igi_lobe_table_create(ctx, f->h, model, alphas, FINE, table));
+        size_t at = settle(f, table, e);
+        e->at_bound = e->alpha <= (double)(float)IGI_FIT_ALPHA_LOW ||
+                      e->alpha >= (double)(float)high;
+        if (e->at_bound || (at > 0 && at + 1 < FINE)) break;
+    }
+    return IGI_OK;
+}
+
+/* Takes the polished values as long as they are the likelier ones, judged by a table of their own,
+ * with the weights that they ask for. *likelier: by how much. */
+static igi_status take_polished(igi_context *ctx, igi_profile *f, igi_lobe_estimate *polished,
+                                igi_lobe_estimate *e, double *likelier)
+{
+    igi_status status = IGI_OK;
+    igi_lobe_table one = {.model = e->model};
+    igi_lobe_estimate now = *polished;
+    IGI_TRY_GOTO(igi_lobe_table_create(ctx, f->h, e->model, &polished->alpha, 1, &one));
+    (void)settle(f, &one, &now);
+    *likelier = e->deviance - now.deviance;
+    if (*likelier < -NOTHING) { /* the table's polynomials led astray */
+        polished->alpha = e->alpha;
+        polished->specular = e->specular;
+        igi_lobe_table_clear(&one);
+        IGI_TRY_GOTO(igi_lobe_table_create(ctx, f->h, e->model, &e->alpha, 1, &one));
+        (void)settle(f, &one, &now);
+    }
+    now.alpha = polished->alpha;
+    now.specular = polished->specular;
+    for (size_t b = 0; b < f->bands; b++) now.albedo[b] = f->albedo[b];
+    igi_profile_column column = igi_profile_column_of(f, &one, 0);
+    IGI_TRY_GOTO(find_lamp_share(ctx, f, e->model, &column, &now));
+    *e = now;
+cleanup:
+    igi_lobe_table_clear(&one);
+    return status;
+}
+
 static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model,
                              igi_lobe_estimate *e)
 {
     igi_status status = IGI_OK;
     igi_lobe_table table = {.model = model};
-    double alphas[FINE], reach = pow(FINE_RATIO, FINE / 2);
-    size_t at = 0;
-    for (int attempt = 0; attempt < 4; attempt++) {
-        igi_lobe_table_clear(&table);
-        double centre = fmax(IGI_FIT_ALPHA_LOW, fmin(highest_alpha(model), e->alpha));
-        spread_alphas(centre / reach, centre * reach, FINE, alphas);
-        IGI_TRY_GOTO(igi_lobe_table_create(ctx, f->h, model, alphas, FINE, &table));
-        at = settle(f, &table, e);
-        e->at_bound = e->alpha <= IGI_FIT_ALPHA_LOW || e->alpha >= highest_alpha(model);
-        if (e->at_bound || (at > 0 && at + 1 < FINE)) break;
-    }
+    double likelier = (double)INFINITY;
+    IGI_TRY_GOTO(locate(ctx, f, model, &table, e));
     for (size_t b = 0; b < f->bands; b++) e->albedo[b] = f->albedo[b];
-    if (!(e->specular > 0)) goto cleanup;
-    IGI_TRY_GOTO(polish_with_ceres(ctx, f, &table, e));
-    igi_profile_column best = igi_profile_column_of(f, &table, at);
-    IGI_TRY_GOTO(find_lamp_share(ctx, f, model, &best, e));
-    widen(e);
+    for (int round = 0; round < POLISHES && likelier > NOTHING && e->specular > 0; round++) {
+        igi_lobe_estimate polished = *e;
+        IGI_TRY_GOTO(polish_with_ceres(ctx, f, &table, &polished));
+        IGI_TRY_GOTO(take_polished(ctx, f, &polished, e, &likelier));
+    }
+    if (e->specular > 0) widen(e);
 cleanup:
     igi_lobe_table_clear(&table);
     return status;
 }
 
-static igi_status fit_coarsely(igi_context *ctx, igi_profile *f, igi_model model,
-                               igi_lobe_estimate *e)
+typedef struct basins {
+    size_t count;
+    double alpha[MOST_BASINS];
+} basins;
+
+/* The deepest minima of the misfit over the columns, with the present weights, join the others. */
+static void add_basins(igi_profile *f, const igi_lobe_table *t, basins *all)
+{
+    double misfit[IGI_TABLE_ALPHAS];
+    bool taken[IGI_TABLE_ALPHAS] = {false};
+    double step = log((double)t->alphas[1] / (double)t->alphas[0]);
+    for (size_t a = 0; a < t->alpha_count; a++) {
+        igi_profile_column c = igi_profile_column_of(f, t, a);
+        misfit[a] = igi_profile_evaluate(f, &c).misfit;
+    }
+    for (size_t found = 0; found < MOST_BASINS / 2; found++) {
+        size_t best = t->alpha_count;
+        for (size_t a = 0; a < t->alpha_count; a++) {
+            bool lowest = (a == 0 || misfit[a] < misfit[a - 1]) &&
+                          (a + 1 == t->alpha_count || misfit[a] <= misfit[a + 1]);
+            if (lowest && !taken[a] && (best == t->alpha_count || misfit[a] < misfit[best]))
+                best = a;
+        }
+        if (best == t->alpha_count) return;
+        taken[best] = true;
+        bool known = false; /* by itself or by its neighbour, from which the way is as short */
+        for (size_t k = 0; k < all->count; k++)
+            known |= fabs(log(all->alpha[k] / (double)t->alphas[best])) < 1.1 * step;
+        if (!known) all->alpha[all->count++] = (double)t->alphas[best];
+    }
+}
+
+static igi_status tabulate_coarsely(igi_context *ctx, const igi_profile *f, igi_model model,
+                                    igi_lobe_table *table)
 {
     double alphas[GRID];
-    igi_lobe_table table;
     spread_alphas(IGI_FIT_ALPHA_LOW, highest_alpha(model), GRID, alphas);
-    IGI_TRY(igi_lobe_table_create(ctx, f->h, model, alphas, GRID, &table));
-    (void)settle(f, &table, e);
-    igi_lobe_table_clear(&table);
-    return IGI_OK;
+    return igi_lobe_table_create(ctx, f->h, model, alphas, GRID, table);
+}
+
+/* The likeliest of the basins that are found from these weights on; whether it is likelier than
+ * *best, which it then becomes. */
+static igi_status search_from(igi_context *ctx, igi_profile *f, const igi_lobe_table *coarse,
+                              const float *weights, igi_lobe_estimate *best, bool *better)
+{
+    igi_status status = IGI_OK;
+    basins all = {0};
+    size_t size = f->n * f->bands * sizeof *f->weight;
+    igi_lobe_table fine = {.model = coarse->model};
+    igi_lobe_estimate first = *best;
+    memcpy(f->weight, weights, size);
+    add_basins(f, coarse, &all);
+    (void)settle(f, coarse, &first);
+    add_basins(f, coarse, &all);
+    for (size_t k = 0; k < all.count; k++) {
+        igi_lobe_estimate trial = first;
+        memcpy(f->weight, weights, size);
+        trial.alpha = all.alpha[k];
+        IGI_TRY_GOTO(locate(ctx, f, coarse->model, &fine, &trial));
+        if (!(trial.deviance < best->deviance)) continue;
+        *best = trial;
+        *better = true;
+    }
+cleanup:
+    igi_lobe_table_clear(&fine);
+    return status;
+}
+
+/* e->alpha, and the weights from which it is found: those of no lobe, or all alike, whichever leads
+ * to the likelier one. */
+static igi_status search(igi_context *ctx, igi_profile *f, igi_model model, igi_lobe_estimate *e)
+{
+    igi_status status = IGI_OK;
+    size_t n = f->n * f->bands;
+    igi_lobe_table coarse = {.model = model};
+    float *plain = NULL;
+    bool better = false;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * n, &plain));
+    float *alike = plain + n;
+    memcpy(plain, f->weight, n * sizeof *plain);
+    for (size_t k = 0; k < n; k++) alike[k] = 1;
+    IGI_TRY_GOTO(tabulate_coarsely(ctx, f, model, &coarse));
+    e->deviance = (double)INFINITY;
+    IGI_TRY_GOTO(search_from(ctx, f, &coarse, plain, e, &better));
+    better = false;
+    if (e->residuals < FEW_RESIDUALS) /* more of them lead from anywhere to the same weights */
+        IGI_TRY_GOTO(search_from(ctx, f, &coarse, alike, e, &better));
+    memcpy(f->weight, better ? alike : plain, n * sizeof *plain);
+cleanup:
+    igi_lobe_table_clear(&coarse);
+    igi_free(plain);
+    return status;
 }
 
 /* What no lobe at all leaves; false: there is too little to judge by. */
@@ -316,7 +444,12 @@ igi_status igi_lobe_glance(igi_context *ctx, const igi_highlights *highlights, i
     igi_profile f;
     IGI_TRY(igi_profile_create(ctx, highlights, &f));
     igi_status status = IGI_OK;
-    if (judge_plain(&f, model, estimate)) status = fit_coarsely(ctx, &f, model, estimate);
+    igi_lobe_table table = {.model = model};
+    if (!judge_plain(&f, model, estimate)) goto cleanup;
+    IGI_TRY_GOTO(tabulate_coarsely(ctx, &f, model, &table));
+    (void)settle(&f, &table, estimate);
+cleanup:
+    igi_lobe_table_clear(&table);
     igi_profile_clear(&f);
     return status;
 }
@@ -329,7 +462,7 @@ igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_
     IGI_TRY(igi_profile_create(ctx, highlights, &f));
     if (!judge_plain(&f, model, estimate)) goto cleanup;
     estimate->alpha = near_alpha;
-    if (!(near_alpha > 0)) IGI_TRY_GOTO(fit_coarsely(ctx, &f, model, estimate));
+    if (!(near_alpha > 0)) IGI_TRY_GOTO(search(ctx, &f, model, estimate));
     IGI_TRY_GOTO(fit_finely(ctx, &f, model, estimate));
 cleanup:
     igi_profile_clear(&f);

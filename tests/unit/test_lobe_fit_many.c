@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * The kernel of the lobe fit on random small problems, no rays: never a number that is not finite,
- * and not worse than a dense search over roughness but where few pixels leave a basin narrower than
- * the fit's grid: at most WORSE of the problems. `test_lobe_fit_many N` runs N of them.
+ * never worse than a dense search over roughness. `test_lobe_fit_many N` runs N of them.
  */
 #include "test.h"
 
@@ -15,7 +14,6 @@
 #define DIRECTIONS 8
 #define BANDS 3
 #define DENSE 100
-#define WORSE 0.003
 
 /* Storage of one problem. */
 typedef struct problem {
@@ -135,8 +133,9 @@ static igi_profile_outcome fit_at(igi_context *ctx, igi_profile *f, igi_model mo
 }
 
 /* How much better the best of many roughnesses fits than the one that was found, with the weights of
- * the latter, and how much likelier it is with weights of its own: the lesser of both, in units of
- * -2 ln likelihood. A thousandth of what the lobe explains is forgiven: tables are interpolated. */
+ * the latter, and how much likelier it is with weights of its own (than the lobe that was found, or
+ * than none where the fit calls that likelier): the lesser of both, in units of -2 ln likelihood. A
+ * thousandth of what the lobe explains is forgiven: tables are interpolated. */
 static double excess(igi_context *ctx, problem *p, const igi_lobe_estimate *e, double *at)
 {
     const igi_profile_column none = {NULL, NULL, NULL, 0};
@@ -153,9 +152,14 @@ static double excess(igi_context *ctx, problem *p, const igi_lobe_estimate *e, d
         worst = better;
         *at = alpha;
     }
+    if (getenv("DBG"))
+        printf("  found %.6g misfit %.5g dev %.5g noise %.3g explained %.4g worst %.4g at %.4g\n",
+               e->alpha, found, deviance, p->noise, explained, worst, *at);
     worst -= 1e-3 * fmax(0, explained);
     if (worst > 1) {
         (void)fit_at(ctx, &f, p->model, *at, true, &other);
+        deviance = fmin(deviance, fmin(e->deviance, e->plain_deviance));
+        if (getenv("DBG")) printf("  other dev %.5g\n", other);
         worst = fmin(worst, deviance - other);
     }
     igi_profile_clear(&f);
@@ -168,7 +172,7 @@ static void never_worse(void)
 {
     igi_context *ctx = test_context(1);
     uint64_t worse = 0, judged = 0;
-    for (uint64_t i = 0; i < wanted; i++) {
+    for (uint64_t i = getenv("DBG") ? (uint64_t)atoi(getenv("DBG")) : 0; i < wanted; i++) {
         problem p;
         igi_lobe_estimate e;
         double alpha = 0;
@@ -188,7 +192,7 @@ static void never_worse(void)
     printf("%llu problems, %llu judged, %llu worse than a dense search\n",
            (unsigned long long)wanted, (unsigned long long)judged, (unsigned long long)worse);
     CHECK(judged > wanted / 3);
-    CHECK((double)worse <= WORSE * (double)judged);
+    CHECK(worse == 0);
     igi_context_destroy(ctx);
 }
 
