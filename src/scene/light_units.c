@@ -30,10 +30,16 @@ const char *const *igi_light_unit_keys(igi_light_type type)
     return unit_keys[type];
 }
 
-static double area_of(const igi_scene *scene, int region)
+typedef struct body {
+    double area, volume;
+    double open; /* length of the sum of its area vectors: 0 of a closed surface */
+} body;
+
+static body measure_body(const igi_scene *scene, int region)
 {
     const igi_mesh *mesh = &scene->mesh;
-    double sum = 0;
+    body sum = {0};
+    double vectors[3] = {0};
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         if ((int)mesh->regions[t] != region) continue;
         igi_vec p[3];
@@ -41,9 +47,35 @@ static double area_of(const igi_scene *scene, int region)
             const float *x = mesh->positions + 3 * mesh->triangles[3 * t + k];
             p[k] = igi_v(x[0], x[1], x[2]);
         }
-        sum += 0.5 * (double)igi_length(igi_cross(igi_sub(p[1], p[0]), igi_sub(p[2], p[0])));
+        igi_vec n = igi_cross(igi_sub(p[1], p[0]), igi_sub(p[2], p[0]));
+        sum.area += 0.5 * (double)igi_length(n);
+        sum.volume += (double)igi_dot(p[0], n) / 6; /* divergence theorem */
+        vectors[0] += 0.5 * (double)n.x;
+        vectors[1] += 0.5 * (double)n.y;
+        vectors[2] += 0.5 * (double)n.z;
     }
+    sum.open = sqrt(vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]);
     return sum;
+}
+
+/* It sends 4 pi j V, its surface pi L A: L = j 4V/A, and 4V/A is the mean chord (Cauchy), which is to
+ * say that L is the mean of what rays through it gather. */
+igi_status igi_light_spread_volume(igi_context *ctx, const igi_json *at, const igi_scene *scene,
+                                   igi_light *light)
+{
+    body b = measure_body(scene, light->region);
+    const char *name = scene->regions[light->region].name;
+    if (b.open > 1e-3 * b.area)
+        return igi_json_fail(ctx, at, "region \"%s\" is open, and has no volume; close its surface",
+                             name);
+    if (!(b.volume > 0))
+        return igi_json_fail(ctx, at,
+                             "region \"%s\" is inside out; turn its triangles around "
+                             "(counter-clockwise is the front)",
+                             name);
+    if (!igi_json_member(at, "emission").value) return IGI_OK;
+    for (int k = 0; k < scene->bands; k++) light->value[k] *= 4 * b.volume / b.area;
+    return IGI_OK;
 }
 
 /* What one lumen of the light's power is of its photometric value. */
@@ -51,7 +83,7 @@ static double per_lumen(const igi_scene *scene, const igi_light *light)
 {
     double squared = 0;
     switch (light->type) {
-    case IGI_LIGHT_AREA: return 1 / (IGI_PI * area_of(scene, light->region));
+    case IGI_LIGHT_AREA: return 1 / (IGI_PI * measure_body(scene, light->region).area);
     case IGI_LIGHT_LINE:
         for (int k = 0; k < 3; k++)
             squared += (light->end[k] - light->position[k]) * (light->end[k] - light->position[k]);

@@ -20,4 +20,9 @@ IGI_MUST_USE igi_status igi_light_read_units(igi_context *ctx, const igi_json *a
                                              const igi_scene *scene, const char *value_key,
                                              igi_light *light);
 
+/* A volume that emits "emission", W m^-3 sr^-1, and lets its own light pass, as the lamp that its
+ * surface is: light->value becomes radiance. The region must be closed. */
+IGI_MUST_USE igi_status igi_light_spread_volume(igi_context *ctx, const igi_json *at,
+                                                const igi_scene *scene, igi_light *light);
+
 #endif

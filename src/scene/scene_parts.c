@@ -40,7 +40,8 @@ typedef enum light_key {
     KEY_PROFILE = 32,
     KEY_IMAGE = 64,
     KEY_SCALE = 128, /* the value is one number */
-    KEY_SKY = 256
+    KEY_SKY = 256,
+    KEY_VOLUME = 512
 } light_key;
 
 static const struct {
@@ -50,6 +51,7 @@ static const struct {
     unsigned keys;
 } kinds[] = {
     {"area", IGI_LIGHT_AREA, "radiance", KEY_REGION},
+    {"volume", IGI_LIGHT_AREA, "emission", KEY_REGION | KEY_VOLUME},
     {"point", IGI_LIGHT_POINT, "intensity", KEY_POSITION},
     {"spot", IGI_LIGHT_SPOT, "intensity", KEY_POSITION | KEY_DIRECTION | KEY_CONE},
     {"line", IGI_LIGHT_LINE, "intensity", KEY_FROM_TO},
@@ -190,7 +192,7 @@ static igi_status find_kind(igi_context *ctx, const igi_json *at, size_t *kind)
         return igi_json_fail(ctx, &type, "no kind of light is \"%s\"; did you mean \"%s\"?", name,
                              meant);
     return igi_json_fail(ctx, &type,
-                         "no kind of light is \"%s\"; there are area, point, spot, line, "
+                         "no kind of light is \"%s\"; there are area, volume, point, spot, line, "
                          "goniometric, directional, env, sky and ambient",
                          name);
 }
@@ -227,7 +229,8 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
         igi_json rotation = igi_json_member(at, "rotation_deg");
         if (rotation.value) IGI_TRY(igi_json_number(ctx, &rotation, &light->rotation_deg));
     }
-    return read_value(ctx, at, kind, scene, light);
+    IGI_TRY(read_value(ctx, at, kind, scene, light));
+    return keys & KEY_VOLUME ? igi_light_spread_volume(ctx, at, scene, light) : IGI_OK;
 }
 
 igi_status igi_lights_read(igi_context *ctx, const igi_json *array, const igi_scene *scene,

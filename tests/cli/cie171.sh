@@ -34,6 +34,22 @@ expect 3 'bad.txt:1: more than six' "$igi" relight dark/truth --sensors bad.txt 
 expect 3 'no sensor' "$igi" relight dark/truth --sensors bad.txt -o bad
 [ ! -e bad ] || fail "a failure left a folder"
 
+# A glowing ball of 10 W m^-3 sr^-1 has the intensity j V.
+cat >glow.json <<'END'
+{ "igi_synth": 1, "name": "glow", "materials": { "floor": { "albedo": 0 }, "glow": { "emitter": true } },
+  "shapes": [ { "type": "quad", "corner": [-1, -1, -1], "u": [2, 0, 0], "v": [0, 2, 0], "material": "floor" },
+              { "type": "sphere", "centre": [0, 0, 0], "radius": 0.2, "around": 96, "rings": 48, "material": "glow" } ],
+  "lights": [ { "type": "volume", "region": "glow", "emission": [10, 10, 10] } ],
+  "views": { "width": 4, "height": 4, "samples": 1, "look": [ { "eye": [1, 1, 1], "target": [0, 0, 0] } ] } }
+END
+expect 0 "" "$igi" synth -q glow.json -o glow
+echo '1 0 0 -1 0 0' >at.txt
+expect 0 "" "$igi" relight -q glow/truth --sensors at.txt -o ball
+awk -F, 'NR == 2 { e = 10 * 4.18879 * .008; exit !($9 > .99 * e && $9 < 1.01 * e) }' ball/illuminance.csv ||
+    fail "$(cat ball/illuminance.csv)"
+sed 's/"glow" } \],/"glow" }, { "type": "quad", "corner": [0, 0, 0.5], "u": [1, 0, 0], "v": [0, 1, 0], "material": "glow" } ],/' glow.json >open.json
+expect 3 'is open, and has no volume' "$igi" synth open.json -o open
+
 # What a scene's lights name lies in its folder, and photometric units arrive in truth.json.
 mkdir lamps other
 printf '%s\n' IESNA:LM-63-2002 TILT=NONE '1 1000 1 2 1 1 2 0 0 0' '1 1 10' '0 180' '0' '20 20' >lamps/lamp.ies

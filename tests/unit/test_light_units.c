@@ -294,6 +294,7 @@ static void units(void)
         {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"lines\":[]}", "an eye sees"},
         {"{\"type\":\"ambient\",\"luminance_cd_m2\":1,\"xy\":[0.3,0.3],\"hsv\":[1,1,1]}",
          "beside \"xy\""},
+        {"{\"type\":\"volume\",\"region\":\"lamp\",\"emission\":[1,1,1]}", "is open"},
         {"{\"type\":\"ambient\",\"radiance\":[1,1,1],\"luminance_cd_m2\":1}",
          "beside \"radiance\""},
         {"{\"type\":\"ambient\",\"illuminance_lx\":1}", "unknown key"},

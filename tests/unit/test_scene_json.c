@@ -98,7 +98,7 @@ static void unknown_keys(void)
     CHECK_REFUSED(IGI_E_DATA, "scene.json:5: \"lights[0].type\": no kind of light is \"aera\"; did "
                               "you mean \"area\"?");
     write_scene("{ \"type\": \"laser\" }", BOX_REGIONS);
-    CHECK_REFUSED(IGI_E_DATA, "there are area, point, spot");
+    CHECK_REFUSED(IGI_E_DATA, "there are area, volume, point");
 }
 
 /* The line is found behind strings that hold brackets, quotes and commas, and in any nesting. */
