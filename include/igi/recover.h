@@ -40,7 +40,8 @@ typedef struct igi_recover_options {
     int model;           /* IGI_ANY_MODEL (default): evidence decides for each region; or an
                         * igi_model: IGI_LAMBERT looks for no lobe, the others for that one */
     double target_error; /* aimed at: mean over regions of the relative standard deviation of albedo
-                             (patches only); 0: the default accuracy */
+                             (patches only), from as few photographs, pixels and rays as that
+                             needs; 0: the default accuracy */
     double time_budget_s; /* CPU seconds that the diffuse solution may take in all; 0: no limit */
     igi_form_factor_way form_factors; /* radiosity: default IGI_FORM_FACTORS_BY_RAYS */
     bool gather_from_photos; /* gather: rays look into the photographs, not at patches (default) */
@@ -77,6 +78,7 @@ typedef struct igi_region_evidence {
 typedef struct igi_recovery {
     igi_materials *materials;
     igi_region_evidence *evidence; /* [materials->count] */
+    bool *read;                    /* [frames of the scene] photographs that were read; NULL: all */
     size_t comparison_count;
     igi_comparison *comparisons;
 } igi_recovery;

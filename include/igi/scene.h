@@ -79,7 +79,9 @@ typedef struct igi_frame {
     char *name; /* as the cameras' file names the image, without folder and ending */
     char *path; /* of the image; names nothing when the image is merged from exposures */
     igi_camera camera;
-    size_t exposure_count; /* 0: the image is there, at `path` */
+    const igi_camera *taken; /* the image's own, where `camera` has fewer pixels: the image is
+                              * averaged down to those; NULL: they are one */
+    size_t exposure_count;   /* 0: the image is there, at `path` */
     igi_exposure *exposures;
 } igi_frame;
 

@@ -86,6 +86,8 @@ igi_status chart_case_recover(igi_context *ctx, const igi_scene *scene,
              c->status == IGI_OK ? "" : igi_context_message(own));
     bool refused = c->status == IGI_E_DATA || c->status == IGI_E_NO_ANSWER;
     if (c->status != IGI_OK && !refused) status = igi_fail(ctx, c->status, "%s", c->message);
+    for (size_t f = 0; recovery && f < scene->frame_count; f++)
+        c->photographs += !recovery->read || recovery->read[f];
     if (recovery) {
         c->materials = recovery->materials;
         recovery->materials = NULL;

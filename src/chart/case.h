@@ -18,6 +18,7 @@ typedef struct chart_case {
     size_t intervals, covered;  /* stated 95 % intervals of judged albedos, rho_s and alpha */
     double worst_sigmas;        /* largest error over its stated standard deviation */
     double cpu_s;               /* of the whole process while the case ran */
+    size_t photographs;         /* that were read */
     uint64_t rays, peak_bytes;  /* peak: of the process so far */
 } chart_case;
 

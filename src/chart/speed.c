@@ -14,28 +14,31 @@
 #define RELIT_WIDTH 96 /* pixels: enough for a mean over a picture */
 #define RELIT_SAMPLES 64
 
-/* A rung: the side of a patch in multiples of the standard one, and rays; 0: the method's own. */
+/* A rung: the side of a patch in multiples of the standard one, and rays; 0: the method's own. Or an
+ * error to aim at: igi chooses the photographs, pixels, patches and rays. */
 typedef struct rung {
     igi_method method;
     double patch;
     int rays;
     bool small; /* part of the tests' edition */
+    double target;
 } rung;
 
 static const rung ladder[] = {
-    {IGI_METHOD_PATCHES, 4, 8, true},      {IGI_METHOD_PATCHES, 3, 16, false},
-    {IGI_METHOD_PATCHES, 2.5, 16, false},  {IGI_METHOD_PATCHES, 1.5, 32, true},
-    {IGI_METHOD_PATCHES, 1, 64, false},    {IGI_METHOD_PATCHES, 1, 256, false},
-    {IGI_METHOD_GATHER, 2, 4, false},      {IGI_METHOD_GATHER, 1, 16, false},
-    {IGI_METHOD_GATHER, 1, 64, false},     {IGI_METHOD_GATHER, 1, 256, false},
-    {IGI_METHOD_GATHER, 1, 1024, false},   {IGI_METHOD_RADIOSITY, 6, 0, false},
-    {IGI_METHOD_RADIOSITY, 4, 0, false},   {IGI_METHOD_RADIOSITY, 2.5, 0, false},
-    {IGI_METHOD_RADIOSITY, 1.5, 0, false}, {IGI_METHOD_RADIOSITY, 1, 0, false},
-    {IGI_METHOD_YU99, 6, 0, false},        {IGI_METHOD_YU99, 4, 0, false},
-    {IGI_METHOD_YU99, 2.5, 0, false},      {IGI_METHOD_YU99, 1.5, 0, false},
-    {IGI_METHOD_YU99, 1, 0, false},        {IGI_METHOD_DIRECT, 6, 0, true},
-    {IGI_METHOD_DIRECT, 2.5, 0, false},    {IGI_METHOD_DIRECT, 1, 0, true},
-    {IGI_METHOD_DIRECT, .7, 0, false}};
+    {IGI_METHOD_PATCHES, 0, 0, false, .01},   {IGI_METHOD_PATCHES, 0, 0, false, .005},
+    {IGI_METHOD_PATCHES, 0, 0, false, .003},  {IGI_METHOD_PATCHES, 4, 8, true, 0},
+    {IGI_METHOD_PATCHES, 3, 16, false, 0},    {IGI_METHOD_PATCHES, 2.5, 16, false, 0},
+    {IGI_METHOD_PATCHES, 1.5, 32, true, 0},   {IGI_METHOD_PATCHES, 1, 64, false, 0},
+    {IGI_METHOD_PATCHES, 1, 256, false, 0},   {IGI_METHOD_GATHER, 2, 4, false, 0},
+    {IGI_METHOD_GATHER, 1, 16, false, 0},     {IGI_METHOD_GATHER, 1, 64, false, 0},
+    {IGI_METHOD_GATHER, 1, 256, false, 0},    {IGI_METHOD_GATHER, 1, 1024, false, 0},
+    {IGI_METHOD_RADIOSITY, 6, 0, false, 0},   {IGI_METHOD_RADIOSITY, 4, 0, false, 0},
+    {IGI_METHOD_RADIOSITY, 2.5, 0, false, 0}, {IGI_METHOD_RADIOSITY, 1.5, 0, false, 0},
+    {IGI_METHOD_RADIOSITY, 1, 0, false, 0},   {IGI_METHOD_YU99, 6, 0, false, 0},
+    {IGI_METHOD_YU99, 4, 0, false, 0},        {IGI_METHOD_YU99, 2.5, 0, false, 0},
+    {IGI_METHOD_YU99, 1.5, 0, false, 0},      {IGI_METHOD_YU99, 1, 0, false, 0},
+    {IGI_METHOD_DIRECT, 6, 0, true, 0},       {IGI_METHOD_DIRECT, 2.5, 0, false, 0},
+    {IGI_METHOD_DIRECT, 1, 0, true, 0},       {IGI_METHOD_DIRECT, .7, 0, false, 0}};
 
 /* Lets the most resident memory begin anew, where the system can (Linux: proc(5), clear_refs). */
 static void forget_peak(void)
@@ -69,6 +72,7 @@ static void describe(const chart_case *c, speed_row *row)
     row->refused = c->status != IGI_OK;
     row->albedo = row->albedo_max = row->specular = row->alpha = row->texels = row->relit = none;
     row->rays = c->rays;
+    row->photographs = c->photographs;
     row->cpu_s = c->cpu_s;
     row->peak_bytes = c->peak_bytes;
     if (!v) return;
@@ -82,6 +86,15 @@ static void describe(const chart_case *c, speed_row *row)
     row->parameters = chart_parameters(c->materials);
 }
 
+/* Peers are told which surfaces shine. So is what is compared with them on their own ground: where
+ * none does, a rung with a target looks for no lobe. */
+static bool has_lobes(const igi_materials *truth)
+{
+    for (size_t i = 0; i < truth->count; i++)
+        if (truth->materials[i].model != IGI_LAMBERT) return true;
+    return false;
+}
+
 static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *step,
                         speed_rows *rows)
 {
@@ -93,6 +106,8 @@ static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *st
     options.method = step->method;
     options.patch_m = step->patch * s->patch_m;
     options.rays = step->rays;
+    options.target_error = step->target;
+    if (step->target > 0 && !has_lobes(s->truth)) options.model = IGI_LAMBERT;
     void *grown = igi_grow(ctx, rows->rows, &rows->capacity, rows->count + 1, sizeof *rows->rows);
     if (!grown) return IGI_E_SYSTEM;
     rows->rows = grown;
@@ -100,7 +115,8 @@ static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *st
     *row = (speed_row){.scene = s->scene->name,
                        .method = step->method,
                        .patch_m = options.patch_m,
-                       .rays_each = step->rays};
+                       .rays_each = step->rays,
+                       .target = step->target};
     IGI_TRY(chart_reference_seconds(ctx, &before));
     forget_peak();
     IGI_TRY_GOTO(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));

@@ -11,8 +11,10 @@
 typedef struct speed_row {
     const char *scene; /* the name of its scene; the scene's */
     igi_method method;
-    double patch_m; /* the budget: side of a patch, */
-    int rays_each;  /* and rays of each; 0: the method's own */
+    double patch_m;     /* the budget: side of a patch, */
+    int rays_each;      /* and rays of each; 0: the method's own */
+    double target;      /* or the error that was asked for; 0: none */
+    size_t photographs; /* that were read */
     bool refused;
     double albedo, albedo_max, specular, alpha, texels, relit;
     int models_right, models;

@@ -26,7 +26,8 @@ static void put_row(FILE *file, const speed_row *r)
 {
     const double errors[] = {r->albedo, r->albedo_max, r->specular, r->alpha, r->texels, r->relit};
     put_name(file, r->scene);
-    fprintf(file, ",%s,%.4g,%d", igi_method_name(r->method), r->patch_m, r->rays_each);
+    fprintf(file, ",%s,%.4g,%d,%g,%zu", igi_method_name(r->method), r->patch_m, r->rays_each,
+            r->target, r->photographs);
     for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++) put(file, errors[i]);
     fprintf(file, ",%d,%d,%zu,%llu,%.3f,%.3g,%.0f,%d\n", r->models_right, r->models, r->parameters,
             (unsigned long long)r->rays, r->cpu_s, r->ratio, (double)r->peak_bytes * 1e-6,
@@ -105,7 +106,7 @@ static igi_status save_reach(igi_context *ctx, const speed_rows *rows, const pee
             const speed_row *r = reach(rows, scene, levels[k]);
             if (!r) continue;
             put_name(file.stream, scene);
-            fprintf(file.stream, ",%g,%s,%.2f", levels[k], igi_method_name(r->method), r->cpu_s);
+            fprintf(file.stream, ",%g,%s,%.3f", levels[k], igi_method_name(r->method), r->cpu_s);
             put_best_peer(file.stream, peers, scene, levels[k], r->cpu_s);
         }
     }
@@ -118,7 +119,7 @@ igi_status chart_speed_save(igi_context *ctx, const speed_rows *rows, const peer
     igi_file file;
     IGI_TRY(chart_table_begin(
         ctx, folder, "speed.csv",
-        "scene,method,patch_m,rays_each,albedo_mean,albedo_max,specular,alpha,"
+        "scene,method,patch_m,rays_each,target,photographs,albedo_mean,albedo_max,specular,alpha,"
         "texels,relit,models_right,models,parameters,rays,cpu_s,ratio,peak_mb,front",
         &file));
     for (size_t i = 0; i < rows->count; i++) put_row(file.stream, &rows->rows[i]);

@@ -32,8 +32,9 @@ static void set_options(const cli_values *values, igi_recover_options *options)
     options->time_budget_s = values->time_budget;
 }
 
-/* What the scene was read from, and every photograph. */
-static igi_status save_manifest(cli_session *s, const igi_scene *scene, const char *folder)
+/* What the scene was read from, and every photograph that was. */
+static igi_status save_manifest(cli_session *s, const igi_scene *scene, const bool *read,
+                                const char *folder)
 {
     igi_setting settings[24];
     char numbers[24][32], command[4096];
@@ -42,7 +43,8 @@ static igi_status save_manifest(cli_session *s, const igi_scene *scene, const ch
     if (!inputs) return fail("memory", "no room for the list of inputs");
     for (size_t i = 0; i < scene->file_count; i++) inputs[count++] = scene->files[i];
     for (size_t i = 0; i < scene->frame_count; i++) /* exposures are among the files */
-        if (!scene->frames[i].exposure_count) inputs[count++] = scene->frames[i].path;
+        if (!scene->frames[i].exposure_count && (!read || read[i]))
+            inputs[count++] = scene->frames[i].path;
     cli_command_line(s, command, sizeof command);
     igi_manifest manifest = {.command = command,
                              .setting_count = cli_settings(s, settings, numbers, 24),
@@ -64,7 +66,7 @@ static igi_status write_results(cli_session *s, const igi_scene *scene,
     if (status == IGI_OK)
         status = igi_materials_save_glb(context, recovery->materials, scene, path);
     if (status == IGI_OK) status = igi_comparisons_save(context, recovery, folder);
-    if (status == IGI_OK) status = save_manifest(s, scene, folder);
+    if (status == IGI_OK) status = save_manifest(s, scene, recovery->read, folder);
     if (status == IGI_OK) status = igi_evidence_save(context, recovery, folder);
     if (status == IGI_OK) status = igi_report(context, folder, NULL);
     return status;

@@ -83,7 +83,9 @@ static const option options[] = {
     {"model", 0, CHOICE, CLI_RECOVER, AT(model), "auto|lambert|ward|ggx|phong", "auto", 0, 0,
      "reflectance of the surfaces; auto: what the photographs ask for, region by region"},
     {"target-error", 0, REAL, CLI_RECOVER | CLI_RELIGHT, AT(target_error), "E", "0", 0, 1,
-     "relative error to aim at, a fraction, of albedo or of relight's pixels; 0: as it comes"},
+     "relative error to aim at, a fraction, of albedo (few photographs, pixels and rays where "
+     "those "
+     "do) or of relight's pixels; 0: as it comes"},
     {"time-budget", 0, REAL, CLI_RECOVER, AT(time_budget), "SECONDS", "0", 0, MANY,
      "CPU seconds to aim at; 0: no limit"},
     {"patch", 0, REAL, CLI_RECOVER, AT(patch), "METRES", "0", 0, MANY,

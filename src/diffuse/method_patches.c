@@ -25,6 +25,7 @@
 
 #define DEFAULT_RAYS 64
 #define FEWEST_RAYS 8
+#define STUCK 0.9 /* of the stated error with half the rays: more would not help */
 #define SKY_POINTS 4
 #define MOST_RAYS 1024
 #define REGION_FOLD 256  /* rays of a small region's rows together, in units of one row's */
@@ -175,8 +176,7 @@ static igi_status gather_and_solve(igi_context *ctx, const igi_problem *problem,
     return igi_patches_solve(ctx, problem, NULL, diffuse);
 }
 
-/* Mean over the determined regions of the albedo's relative standard deviation. */
-static double stated_error(const igi_problem *p, const igi_diffuse *d)
+double igi_stated_error(const igi_problem *p, const igi_diffuse *d)
 {
     double sum = 0, n = 0;
     for (size_t r = 0; r < p->scene->region_count; r++)
@@ -188,17 +188,21 @@ static double stated_error(const igi_problem *p, const igi_diffuse *d)
 }
 
 /* Without a target or a budget: once, with the default rays. With them: rays are doubled from few
- * until the stated error is below the target, or the next doubling would not fit into the budget. */
+ * until the stated error is below the target, or no longer falls, or the next doubling would not
+ * fit into the budget. */
 igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_diffuse *diffuse)
 {
     const igi_recover_options *o = problem->options;
     bool adapts = o->rays == 0 && (o->target_error > 0 || o->time_budget_s > 0);
     int rays = o->rays ? o->rays : adapts ? FEWEST_RAYS : DEFAULT_RAYS;
-    for (;; rays *= 2) {
+    for (double error = HUGE_VAL, last;; rays *= 2) {
         double before = igi_cpu_seconds();
         IGI_TRY(gather_and_solve(ctx, problem, rays, diffuse));
         if (!adapts || 2 * rays > MOST_RAYS) return IGI_OK;
-        if (o->target_error > 0 && stated_error(problem, diffuse) <= o->target_error) return IGI_OK;
+        last = error;
+        error = igi_stated_error(problem, diffuse);
+        if (o->target_error > 0 && (error <= o->target_error || error > STUCK * last))
+            return IGI_OK;
         double next = 2 * (igi_cpu_seconds() - before);
         if (o->time_budget_s > 0 && igi_cpu_seconds() + next > o->time_budget_s) return IGI_OK;
     }

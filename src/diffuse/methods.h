@@ -25,4 +25,7 @@ IGI_MUST_USE igi_status igi_method_direct(igi_context *ctx, const igi_problem *p
 IGI_MUST_USE igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
                                           const igi_correction *correction, igi_diffuse *diffuse);
 
+/* Mean over the determined regions of the albedo's relative standard deviation, as it stands. */
+double igi_stated_error(const igi_problem *problem, const igi_diffuse *diffuse);
+
 #endif

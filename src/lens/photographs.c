@@ -2,6 +2,7 @@
 #include "lens/photographs.h"
 
 #include "base/context.h"
+#include "image/resample.h"
 #include "lens/lens_private.h"
 
 #include <math.h>
@@ -16,10 +17,16 @@ struct igi_photographs {
     igi_merge_options merge;
 };
 
+/* The camera that the file's image belongs to. */
+static const igi_camera *camera_of(const igi_frame *frame)
+{
+    return frame->taken ? frame->taken : &frame->camera;
+}
+
 static igi_status check_size(igi_context *ctx, const igi_scene *scene, const igi_calibration *c)
 {
     for (size_t i = 0; i < scene->frame_count; i++) {
-        const igi_camera *camera = &scene->frames[i].camera;
+        const igi_camera *camera = camera_of(&scene->frames[i]);
         if (camera->width == c->width && camera->height == c->height) continue;
         return igi_fail(ctx, IGI_E_DATA,
                         "%s: it is for %d x %d pixels, and image %s has %d x %d; calibrate with "
@@ -118,11 +125,24 @@ static igi_status merge_frame(igi_context *ctx, const igi_photographs *p, const 
     merged->image = NULL;
     merged->warning = NULL;
     igi_merged_destroy(merged);
-    if ((*image)->width == frame->camera.width && (*image)->height == frame->camera.height)
-        return IGI_OK;
+    const igi_camera *camera = camera_of(frame);
+    if ((*image)->width == camera->width && (*image)->height == camera->height) return IGI_OK;
     return igi_fail(ctx, IGI_E_DATA, "%s: is %d x %d pixels, but its camera %d x %d; scale neither",
-                    frame->exposures[0].path, (*image)->width, (*image)->height,
-                    frame->camera.width, frame->camera.height);
+                    frame->exposures[0].path, (*image)->width, (*image)->height, camera->width,
+                    camera->height);
+}
+
+/* Averages a picture of more pixels than the frame's camera has; `image` is exchanged. */
+static igi_status shrink(igi_context *ctx, const igi_frame *frame, igi_image **image)
+{
+    igi_image *small;
+    const igi_camera *taken = frame->taken;
+    if (!taken || (*image)->width != taken->width || (*image)->height != taken->height)
+        return IGI_OK; /* whose sizes differ is refused by who asked */
+    IGI_TRY(igi_image_resample(ctx, *image, frame->camera.width, frame->camera.height, &small));
+    igi_image_destroy(*image);
+    *image = small;
+    return IGI_OK;
 }
 
 igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photographs, size_t frame,
@@ -143,14 +163,17 @@ igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photogr
                               c->width, c->height);
             goto cleanup;
         }
-        IGI_TRY_GOTO(igi_correct_for(ctx, c, taken, &f->camera, image));
+        IGI_TRY_GOTO(igi_correct_for(ctx, c, taken, camera_of(f), image));
     } else {
         *image = taken;
         taken = NULL;
     }
+    IGI_TRY_GOTO(shrink(ctx, f, image));
 cleanup:
     igi_image_destroy(taken);
     if (status != IGI_OK) {
+        igi_image_destroy(*image);
+        *image = NULL;
         igi_free(*warning);
         *warning = NULL;
     }

@@ -6,6 +6,7 @@
 #include "diffuse/methods.h"
 #include "observe/faults.h"
 #include "observe/saturation.h"
+#include "recover/choice.h"
 #include "recover/doubts.h"
 #include "specular/specular.h"
 #include "specular/yu99.h"
@@ -15,6 +16,16 @@
 /* Patches are this share of the scene's diagonal: 1-2 % of the room's side (method of choice, by
  * the speed-accuracy chart). */
 #define PATCH_SHARE 0.0105f
+
+/* Patches grow with the root of a target above this, up to so many times their size. */
+#define FINE_ERROR 0.00125
+#define COARSEST 2.0
+/* Of a target: what patches so large miss is not in the stated error. */
+#define AIM 0.7
+/* Photographs are chosen so many times, each with so many times the pixels, before all are read:
+ * where surfaces shine, more photographs do not lower the error that is stated without lobes. */
+#define ATTEMPTS 2
+#define SHARPER 4
 
 /* rho_s of plastic and varnish; less goes without saying. */
 #define WORTH_A_WORD 0.03
@@ -206,37 +217,32 @@ cleanup:
     return status;
 }
 
-igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recover_options *options,
-                       igi_recovery **recovery)
+/* One recovery, from observing on. *recovery stays NULL where the stated error of the diffuse
+ * solution is above `limit`. */
+static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                               const igi_recover_options *o, double limit, igi_recovery **recovery)
 {
     igi_status status = IGI_OK;
-    igi_recover_options o;
-    igi_tracer *tracer = NULL;
     igi_observations *observations = NULL;
     igi_patches *patches = NULL;
     igi_problem *problem = NULL;
     igi_diffuse *diffuse = NULL;
     igi_specular *specular = NULL;
     igi_recovery *r = NULL;
-    *recovery = NULL;
-    igi_recover_options_init(&o);
-    if (options) o = *options;
     igi_stage_begin(ctx, "observe");
-    IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     igi_stage_begin(ctx, "agreement");
     IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, observations));
     IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
     igi_stage_begin(ctx, "patches");
-    float size = o.patch_m > 0 ? (float)o.patch_m
-                               : PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL);
-    IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, size, &patches));
-    IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, &o, &problem));
+    IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, (float)o->patch_m, &patches));
+    IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, o, &problem));
     IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
-    if (o.method == IGI_METHOD_YU99)
+    if (o->method == IGI_METHOD_YU99)
         IGI_TRY_GOTO(igi_yu99_create(ctx, problem, diffuse, &specular));
-    else IGI_TRY_GOTO(method_function(o.method)(ctx, problem, diffuse));
-    if (o.method == IGI_METHOD_PATCHES && o.model != IGI_LAMBERT)
+    else IGI_TRY_GOTO(method_function(o->method)(ctx, problem, diffuse));
+    if (igi_stated_error(problem, diffuse) > limit) goto cleanup;
+    if (o->method == IGI_METHOD_PATCHES && o->model != IGI_LAMBERT)
         IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
     igi_lobe_view view;
     if (specular) view = igi_specular_view(specular, diffuse);
@@ -250,13 +256,78 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     *recovery = r;
     r = NULL;
 cleanup:
-    igi_stage_begin(ctx, NULL);
     igi_recovery_destroy(r);
     igi_specular_destroy(specular);
     igi_diffuse_destroy(diffuse);
     igi_problem_destroy(problem);
     igi_patches_destroy(patches);
     igi_observations_destroy(observations);
+    return status;
+}
+
+static double standard_patch(const igi_tracer *tracer)
+{
+    return (double)(PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL));
+}
+
+/* Takes over what the choice knows. */
+static igi_status note_choice(igi_context *ctx, const igi_scene *scene, igi_choice *choice,
+                              igi_recovery *r)
+{
+    char *sentence;
+    r->read = choice->read;
+    choice->read = NULL;
+    IGI_TRY(igi_choice_sentence(ctx, choice, scene, &sentence));
+    return igi_add_sentence(ctx, &r->materials->warnings, &r->materials->warning_count, sentence);
+}
+
+/* From as few photographs as the target seems to need; from more where the result's own error bars
+ * disagree, or what was chosen does not suffice. *recovery stays NULL where all are needed. */
+static igi_status recover_from_few(igi_context *ctx, const igi_scene *scene,
+                                   const igi_tracer *tracer, const igi_recover_options *options,
+                                   igi_recovery **recovery)
+{
+    igi_recover_options coarse = *options, *o = &coarse;
+    igi_need need = {o->target_error, 1, o->model != IGI_LAMBERT};
+    o->target_error *= AIM;
+    if (!(o->patch_m > 0))
+        o->patch_m = standard_patch(tracer) *
+                     fmin(fmax(1, sqrt(options->target_error / FINE_ERROR)), COARSEST);
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++, need.sharpness *= SHARPER) {
+        igi_choice *choice;
+        igi_recovery *r = NULL;
+        igi_stage_begin(ctx, "choose views");
+        IGI_TRY(igi_choice_make(ctx, scene, tracer, &need, &choice));
+        bool all = choice->scene.frame_count == 0 || (choice->left_out == 0 && choice->reduce == 1);
+        igi_status status = all ? IGI_OK
+                                : recover_from(ctx, &choice->scene, tracer, o, o->target_error, &r);
+        bool failed = status == IGI_E_DATA || status == IGI_E_NO_ANSWER;
+        if (r) status = note_choice(ctx, scene, choice, r);
+        igi_choice_destroy(choice);
+        if (r && status == IGI_OK) *recovery = r;
+        else igi_recovery_destroy(r);
+        if (all || r || (status != IGI_OK && !failed)) return status;
+    }
+    return IGI_OK;
+}
+
+igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recover_options *options,
+                       igi_recovery **recovery)
+{
+    igi_status status = IGI_OK;
+    igi_recover_options o;
+    igi_tracer *tracer = NULL;
+    *recovery = NULL;
+    igi_recover_options_init(&o);
+    if (options) o = *options;
+    igi_stage_begin(ctx, "observe");
+    IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
+    if (o.method == IGI_METHOD_PATCHES && o.target_error > 0)
+        IGI_TRY_GOTO(recover_from_few(ctx, scene, tracer, &o, recovery));
+    if (!(o.patch_m > 0)) o.patch_m = standard_patch(tracer);
+    if (!*recovery) IGI_TRY_GOTO(recover_from(ctx, scene, tracer, &o, HUGE_VAL, recovery));
+cleanup:
+    igi_stage_begin(ctx, NULL);
     igi_tracer_destroy(tracer);
     return status;
 }
@@ -266,6 +337,7 @@ void igi_recovery_destroy(igi_recovery *recovery)
     if (!recovery) return;
     igi_materials_destroy(recovery->materials);
     igi_free(recovery->evidence);
+    igi_free(recovery->read);
     for (size_t i = 0; i < recovery->comparison_count; i++) {
         igi_free(recovery->comparisons[i].frame);
         igi_image_destroy(recovery->comparisons[i].photo);

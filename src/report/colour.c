@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "report/colour.h"
 
-#include "report/resample.h"
+#include "image/resample.h"
 
 #include <math.h>
 

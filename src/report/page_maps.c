@@ -4,7 +4,7 @@
  */
 #include "report/page.h"
 
-#include "report/resample.h"
+#include "image/resample.h"
 
 #include "base/order.h"
 

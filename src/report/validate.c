@@ -3,7 +3,7 @@
  * Errors against truth. A relative error is |got - want| / max(want, .02): the floor keeps black
  * surfaces from ruling the mean.
  */
-#include "report/resample.h"
+#include "image/resample.h"
 
 #include "base/order.h"
 

@@ -22,8 +22,8 @@ other,b,mini,1,4,0.1,,,0.25
 END
 
 expect 0 'speed' "$igi" chart speed --small --scenes "$spec" --peer peers.csv --cache rooms -o charts
-[ "$(head -n 1 charts/speed.csv)" = "scene,method,patch_m,rays_each,albedo_mean,albedo_max,\
-specular,alpha,texels,relit,models_right,models,parameters,rays,cpu_s,ratio,peak_mb,front" ] ||
+[ "$(head -n 1 charts/speed.csv)" = "scene,method,patch_m,rays_each,target,photographs,\
+albedo_mean,albedo_max,specular,alpha,texels,relit,models_right,models,parameters,rays,cpu_s,ratio,peak_mb,front" ] ||
     fail "columns: $(head -n 1 charts/speed.csv)"
 [ "$(grep -c '^mini,patches,' charts/speed.csv)" -eq 2 ] || fail "not two rungs of patches"
 [ "$(grep -c '^mini,direct,' charts/speed.csv)" -eq 2 ] || fail "not two rungs of direct"

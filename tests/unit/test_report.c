@@ -6,7 +6,7 @@
 #include "test.h"
 
 #include "report/colour.h"
-#include "report/resample.h"
+#include "image/resample.h"
 #include "report/sphere.h"
 
 #include <sys/stat.h>

@@ -2,8 +2,8 @@
  *
  * Images of another size.
  */
-#ifndef IGI_SRC_REPORT_RESAMPLE_H
-#define IGI_SRC_REPORT_RESAMPLE_H
+#ifndef IGI_SRC_IMAGE_RESAMPLE_H
+#define IGI_SRC_IMAGE_RESAMPLE_H
 
 #include "base/context.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/resample.h"
+#include "image/resample.h"
 
 #include <math.h>
 #include <string.h>
