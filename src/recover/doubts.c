@@ -185,20 +185,15 @@ static igi_status doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materi
     return IGI_OK;
 }
 
-typedef struct shared_error {
-    double common; /* of all photographs against the lamps */
-    double gaps;   /* light that is missing, and is not measured with the rest */
-} shared_error;
-
-/* What the photographs of a place disagree about, and what all of them may share. Of a region with a
- * lobe, the fit has seen to the former. */
-static void widen(const igi_region_residual *r, const shared_error *shared, int bands,
+/* What the photographs of a place disagree about, what all of them may share, and light that is missing
+ * or too much there. Of a region with a lobe, the fit has seen to the first. */
+static void widen(const igi_region_residual *r, double common, double alone, int bands,
                   igi_material *m)
 {
     for (int b = 0; b < bands; b++) {
-        double rho = m->albedo[b], common = shared->common * fmax(0, 1 - rho);
+        double rho = m->albedo[b], shared = common * fmax(0, 1 - rho);
         double own = m->model == IGI_LAMBERT ? r->mean_error : 0;
-        double all = hypot(hypot(own, common), shared->gaps);
+        double all = hypot(hypot(own, shared), alone);
         m->albedo_std[b] = hypot(m->albedo_std[b], rho * all);
     }
 }
@@ -209,13 +204,16 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     igi_status status = IGI_OK;
     igi_residuals *r = NULL;
     double(*pairs)[2] = NULL, lamps_off = 0, outlines_off = 0, gaps = 0;
+    double *powers_off = NULL;
     bool *diffuse = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &pairs));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &powers_off));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &diffuse));
     for (size_t i = 0; i < m->count; i++)
         diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, diffuse, &r));
     IGI_TRY_GOTO(doubt_lamps(ctx, p, m, &lamps_off));
+    IGI_TRY_GOTO(igi_doubt_powers(ctx, p, field, diffuse, m, powers_off));
     IGI_TRY_GOTO(igi_doubt_outlines(ctx, p, m, &outlines_off));
     IGI_TRY_GOTO(igi_doubt_gaps(ctx, p, m, &gaps));
     IGI_TRY_GOTO(doubt_camera(ctx, r, m));
@@ -225,16 +223,17 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     double unexplained = sqrt(fmax(0, trend * trend - USUAL_TREND * USUAL_TREND));
     double lamps = hypot(lamps_off, outlines_off);
     double camera = hypot(drift, CORNER_MEAN * r->vignetting);
-    const shared_error shared = {hypot(hypot(lamps, unexplained), camera), gaps};
+    double common = hypot(hypot(lamps, unexplained), camera);
     for (size_t i = 0; i < m->count; i++) {
         igi_material *region = &m->materials[i];
         if (region->emitter || !region->determined) continue;
-        widen(&r->regions[i], &shared, p->bands, region);
+        widen(&r->regions[i], common, hypot(gaps, powers_off[i]), p->bands, region);
         IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], r->usual_differ, p->bands, m, region));
     }
 cleanup:
     igi_residuals_destroy(r);
     igi_free(pairs);
     igi_free(diffuse);
+    igi_free(powers_off);
     return status;
 }

@@ -25,5 +25,10 @@ IGI_MUST_USE igi_status igi_doubt_outlines(igi_context *ctx, const igi_problem *
 /* *off: of the light that reaches surfaces. */
 IGI_MUST_USE igi_status igi_doubt_gaps(igi_context *ctx, const igi_problem *p, igi_materials *m,
                                        double *off);
+/* Lights whose stated power the surfaces contradict; diffuse[regions]: those that tell. off[regions]:
+ * of the light that reaches each, added to what is there. */
+IGI_MUST_USE igi_status igi_doubt_powers(igi_context *ctx, const igi_problem *p,
+                                         const igi_field *field, const bool *diffuse,
+                                         igi_materials *m, double *off);
 
 #endif

@@ -38,8 +38,7 @@ static double mean_of(const float *x, int bands)
     return sum / bands;
 }
 
-/* The side's own albedo, mean over bands; negative: it has none. */
-static double albedo_of_side(const igi_problem *p, const igi_field *field, uint32_t side)
+double igi_residual_albedo(const igi_problem *p, const igi_field *field, uint32_t side)
 {
     float irradiance[IGI_MAX_BANDS];
     size_t at = (size_t)side * (size_t)p->bands;
@@ -113,7 +112,7 @@ static igi_status find_trends(igi_context *ctx, const igi_problem *p, const igi_
     IGI_TRY(IGI_ALLOC(ctx, out->region_count, &sums));
     for (int pass = 0; pass < 2; pass++) {
         for (uint32_t side = 0; side < 2 * p->patches->count; side++) {
-            double albedo = albedo_of_side(p, field, side);
+            double albedo = igi_residual_albedo(p, field, side);
             if (albedo < 0) continue;
             region_sums *s = &sums[igi_patch_region(p->patches, side >> 1)];
             if (pass && !(s->mean > 0)) continue;

@@ -29,6 +29,8 @@ typedef struct igi_residuals {
 IGI_MUST_USE igi_status igi_residuals_create(igi_context *ctx, const igi_problem *problem,
                                              const igi_field *field, const bool *diffuse,
                                              igi_residuals **residuals);
+/* A side's own albedo, mean over bands; negative: it has none. */
+double igi_residual_albedo(const igi_problem *problem, const igi_field *field, uint32_t side);
 void igi_residuals_destroy(igi_residuals *residuals);
 
 #endif
