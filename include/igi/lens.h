@@ -63,10 +63,12 @@ IGI_API void igi_calibration_destroy(igi_calibration *calibration);
 typedef struct igi_chessboard {
     int columns, rows; /* inner corners */
     double square_m;
+    const char *markers; /* of a ChArUco board, as "5X5_100" (OpenCV's name); NULL: it has none */
+    double marker_m;     /* side of the markers */
 } igi_chessboard;
 
 /* Intrinsics and distortion from photographs of a chessboard, at least three of which must show it
- * whole. Views that disagree with the others are found and left out. The photographs' size is
+ * whole, or enough of it if it has markers. Views that disagree with the others are found and left out. The photographs' size is
  * checked against that of the calibration when *calibration is not NULL; else one is made. */
 IGI_API IGI_MUST_USE igi_status igi_calibrate_chessboard(igi_context *context,
                                                          const char *const *paths, size_t count,

@@ -7,10 +7,14 @@ extern "C" {
 }
 #include "bridge/opencv.h"
 
+#ifdef IGI_ARUCO
+#include <opencv2/aruco/charuco.hpp>
+#endif
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <vector>
@@ -95,6 +99,103 @@ igi_status igi_cv_find_chessboard(igi_context *ctx, const uint8_t *grey, int wid
     });
 }
 
+#ifdef IGI_ARUCO
+namespace
+{
+
+// NULL: no such dictionary, or it has too few markers for the board.
+cv::Ptr<cv::aruco::CharucoBoard> board_of(const igi_cv_charuco *wanted)
+{
+    static const char *const names[] = {
+        "4X4_50", "4X4_100", "4X4_250", "4X4_1000", "5X5_50", "5X5_100", "5X5_250", "5X5_1000",
+        "6X6_50", "6X6_100", "6X6_250", "6X6_1000", "7X7_50", "7X7_100", "7X7_250", "7X7_1000"};
+    const int columns = wanted->columns + 1, rows = wanted->rows + 1;
+    for (int i = 0; i < 16; i++) {
+        if (std::strcmp(wanted->dictionary, names[i]) != 0) continue;
+        const auto dictionary = cv::aruco::getPredefinedDictionary(i);
+        if (columns * rows / 2 > dictionary->bytesList.rows) break;
+        return cv::aruco::CharucoBoard::create(columns, rows, 1, float(wanted->marker_share),
+                                               dictionary);
+    }
+    return {};
+}
+
+igi_status refuse_dictionary(igi_context *ctx, const igi_cv_charuco *board)
+{
+    return igi_fail(ctx, IGI_E_USAGE,
+                    "ChArUco: no markers %.20s, or too few of them for %d x %d inner corners; name "
+                    "those of the board: 4X4_50 ... 5X5_100 ... 7X7_1000",
+                    board->dictionary, board->columns, board->rows);
+}
+
+} // namespace
+
+igi_status igi_cv_find_charuco(igi_context *ctx, const uint8_t *grey, int width, int height,
+                               const igi_cv_charuco *wanted, float *corners, size_t *found)
+{
+    bool known = false;
+    *found = 0;
+    const igi_status status = guarded(ctx, "ChArUco", [&] {
+        const auto board = board_of(wanted);
+        if (!board) return;
+        known = true;
+        const cv::Mat image(height, width, CV_8UC1, const_cast<uint8_t *>(grey));
+        std::vector<std::vector<cv::Point2f>> markers;
+        std::vector<int> ids, corner_ids;
+        std::vector<cv::Point2f> points;
+        std::fill_n(corners, size_t(wanted->columns) * size_t(wanted->rows) * 2, std::nanf(""));
+        cv::aruco::detectMarkers(image, board->dictionary, markers, ids);
+        if (ids.empty()) return;
+        cv::aruco::interpolateCornersCharuco(markers, ids, image, board, points, corner_ids);
+        for (size_t i = 0; i < points.size(); i++) {
+            corners[2 * corner_ids[i]] = points[i].x;
+            corners[2 * corner_ids[i] + 1] = points[i].y;
+        }
+        *found = points.size();
+    });
+    return status == IGI_OK && !known ? refuse_dictionary(ctx, wanted) : status;
+}
+
+igi_status igi_cv_draw_charuco(igi_context *ctx, const igi_cv_charuco *wanted, int side,
+                               uint8_t *grey)
+{
+    bool known = false;
+    const igi_status status = guarded(ctx, "ChArUco", [&] {
+        const auto board = board_of(wanted);
+        if (!board) return;
+        known = true;
+        cv::Mat picture((wanted->rows + 1) * side, (wanted->columns + 1) * side, CV_8UC1, grey);
+        board->draw(picture.size(), picture);
+    });
+    return status == IGI_OK && !known ? refuse_dictionary(ctx, wanted) : status;
+}
+#else
+namespace
+{
+
+igi_status refuse_boards(igi_context *ctx)
+{
+    return igi_fail(
+        ctx, IGI_E_USAGE,
+        "ChArUco: this igi was built without such boards; install libopencv-contrib-dev "
+        "and build it again, or use a plain chessboard");
+}
+
+} // namespace
+
+igi_status igi_cv_find_charuco(igi_context *ctx, const uint8_t *, int, int, const igi_cv_charuco *,
+                               float *, size_t *found)
+{
+    *found = 0;
+    return refuse_boards(ctx);
+}
+
+igi_status igi_cv_draw_charuco(igi_context *ctx, const igi_cv_charuco *, int, uint8_t *)
+{
+    return refuse_boards(ctx);
+}
+#endif
+
 igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
                             double parameters[IGI_CV_PARAMETERS],
                             double deviations[IGI_CV_PARAMETERS], double *rms, double *view_rms)
@@ -108,9 +209,12 @@ igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
                                views->board[3 * p + 2]);
         for (size_t v = 0; v < views->count; v++) {
             const float *from = views->corners + v * views->points * 2;
-            for (size_t p = 0; p < views->points; p++)
+            boards.emplace_back();
+            for (size_t p = 0; p < views->points; p++) {
+                if (std::isnan(from[2 * p])) continue;
                 corners[v].emplace_back(from[2 * p], from[2 * p + 1]);
-            boards.push_back(board);
+                boards[v].push_back(board[p]);
+            }
         }
         cv::Mat camera, distortion, intrinsic_deviations, extrinsic_deviations, errors;
         std::vector<cv::Mat> rotations, translations;

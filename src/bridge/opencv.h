@@ -18,13 +18,29 @@ IGI_MUST_USE igi_status igi_cv_find_chessboard(igi_context *ctx, const uint8_t *
                                                int height, int columns, int rows, float *corners,
                                                bool *found);
 
+/* A ChArUco board: a chessboard with a marker in each white square, so that part of it is enough. */
+typedef struct igi_cv_charuco {
+    int columns, rows;      /* inner corners */
+    double marker_share;    /* side of a marker / side of a square */
+    const char *dictionary; /* of markers, OpenCV's name without DICT_: "5X5_100" */
+} igi_cv_charuco;
+
+/* Corners as above, NaN where one was not seen; *found of them. IGI_E_USAGE: an unknown dictionary, or
+ * one with too few markers, or igi was built without these boards. */
+IGI_MUST_USE igi_status igi_cv_find_charuco(igi_context *ctx, const uint8_t *grey, int width,
+                                            int height, const igi_cv_charuco *board, float *corners,
+                                            size_t *found);
+/* The board's picture, a square `side` pixels: grey[(rows+1) side][(columns+1) side]. */
+IGI_MUST_USE igi_status igi_cv_draw_charuco(igi_context *ctx, const igi_cv_charuco *board, int side,
+                                            uint8_t *grey);
+
 #define IGI_CV_PARAMETERS 9 /* fx fy cx cy k1 k2 p1 p2 k3 */
 
 typedef struct igi_cv_views {
     int width, height;    /* of the photographs */
     size_t count, points; /* views, and points a view */
     const float *board;   /* [points][3] in the board's own axes */
-    const float *corners; /* [count][points][2] pixels */
+    const float *corners; /* [count][points][2] pixels; NaN: not seen */
 } igi_cv_views;
 
 /* Zhang's method. *rms over all points; view_rms[count]; deviations of the parameters. */

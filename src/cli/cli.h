@@ -17,12 +17,12 @@ typedef struct cli_values {
     const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
         *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
-        *cache, *peer, *points, *basis, *convert;
+        *cache, *peer, *points, *basis, *convert, *charuco, *markers;
     double samples, seeds;
     bool aov, png, preview, relight;                     /* relight; report */
     const char *to, *edits, *insert, *forward, *sensors; /* export; relight */
-    double search, square, full_well, read_noise, patch, rays, map_size, target_error, time_budget,
-        tolerance, threads, seed;
+    double search, square, marker, full_well, read_noise, patch, rays, map_size, target_error,
+        time_budget, tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos,
         small, relit, together;
 } cli_values;

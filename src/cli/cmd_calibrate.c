@@ -60,7 +60,7 @@ static void print_lens(const igi_calibration *c)
         if (view->used) printf("  %6.3f\n", view->rms_px);
         else if (view->rms_px > 0)
             printf("  %6.3f  left out: it disagrees with the others\n", view->rms_px);
-        else puts("       -  left out: no whole board in it");
+        else puts("       -  left out: no board in it, or too little");
     }
     printf("fl %.2f %.2f +- %.2f, centre %.2f %.2f +- %.2f, k1 %.4f k2 %.4f k3 %.4f\n",
            c->lens.fl_x, c->lens.fl_y, c->deviations[0], c->lens.cx, c->lens.cy, c->deviations[2],
@@ -95,7 +95,8 @@ static void print_json(const cli_session *s, const igi_calibration *c)
 static igi_status convert(cli_session *s)
 {
     igi_calibration *calibration = NULL;
-    if (s->argument_count || s->values.chessboard || s->values.flat || s->values.overlap)
+    if (s->argument_count || s->values.chessboard || s->values.charuco || s->values.flat ||
+        s->values.overlap)
         return usage("--convert takes one file; name no images and nothing to calibrate by");
     igi_status status = igi_calibration_import(s->context, s->values.convert, &calibration);
     if (status == IGI_OK)
@@ -107,21 +108,24 @@ static igi_status convert(cli_session *s)
 static igi_status run(cli_session *s)
 {
     const cli_values *v = &s->values;
-    igi_chessboard board = {0, 0, v->square};
+    igi_chessboard board = {.square_m = v->square};
     igi_calibration *calibration = NULL;
     size_t count = (size_t)s->argument_count;
     if (!v->output) return usage("where to? give a file with -o, as calib/NAME.json");
     if (v->convert) return convert(s);
-    if ((v->chessboard != NULL) + v->flat + (v->overlap != NULL) != 1)
-        return usage(
-            "what do the images show? --chessboard COLUMNSxROWS, --flat or --overlap SCENE");
+    const char *grid = v->chessboard ? v->chessboard : v->charuco;
+    if ((v->chessboard != NULL) + (v->charuco != NULL) + v->flat + (v->overlap != NULL) != 1)
+        return usage("what do the images show? --chessboard or --charuco COLUMNSxROWS, --flat or "
+                     "--overlap SCENE");
     if (!v->overlap != (count > 0))
         return usage(v->overlap ? "--overlap takes the scene's images; name no others"
                                 : "name the images");
-    if (v->chessboard && !read_board(v->chessboard, &board))
-        return usage("--chessboard takes the inner corners, 3 to 100 a side, as 9x6");
-    if (v->chessboard && !(v->square > 0))
-        return usage("how large are the squares? --square METRES");
+    if (grid && !read_board(grid, &board))
+        return usage("a board is named by its inner corners, 3 to 100 a side, as 9x6");
+    if (grid && !(v->square > 0)) return usage("how large are the squares? --square METRES");
+    if (v->charuco && !(v->marker > 0 && v->marker < v->square))
+        return usage("how large are the markers? --marker METRES, less than --square");
+    if (v->charuco) board.markers = v->markers, board.marker_m = v->marker;
     igi_status status = load_present(s, &calibration);
     if (status == IGI_OK)
         status = v->overlap ? calibrate_overlap(s, &calibration)
@@ -133,7 +137,7 @@ static igi_status run(cli_session *s)
     if (status == IGI_OK && v->json) print_json(s, calibration);
     else if (status == IGI_OK && !v->quiet) {
         const igi_vignetting *g = &calibration->vignetting;
-        if (v->chessboard) print_lens(calibration);
+        if (grid) print_lens(calibration);
         else
             printf("V = 1 %+.4f r^2 %+.4f r^4 %+.4f r^6 about %.1f, %.1f; rms %.4f\n", g->k[0],
                    g->k[1], g->k[2], g->centre_x, g->centre_y, g->rms);
@@ -150,8 +154,10 @@ const cli_command cli_calibrate = {
     .summary = "distortion and vignetting of a camera",
     .example = "igi calibrate --chessboard 9x6 --square .025 board-*.jpg -o calib/lens.json",
     .details =
-        "With --chessboard: focal lengths, principal point and distortion; views that disagree\n"
-        "with the others are left out. With --flat: vignetting, from evenly lit surfaces that\n"
+        "With --chessboard or --charuco: focal lengths, principal point and distortion; views "
+        "that\n"
+        "disagree with the others are left out. With --flat: vignetting, from evenly lit surfaces "
+        "that\n"
         "fill the frame, into the same file. With --convert: the lens from and to the files of\n"
         "OpenCV and COLMAP, by their endings.",
     .run = run,

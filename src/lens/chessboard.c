@@ -19,6 +19,9 @@
 /* Views and photographs beyond these are no calibration. */
 #define LEAST_VIEWS 3
 #define MOST_VIEWS 10000
+/* Of a board with markers, this many corners and this part of them are enough. */
+#define LEAST_CORNERS 8
+#define LEAST_PART .25
 
 typedef struct session {
     const igi_chessboard *board;
@@ -42,6 +45,22 @@ static igi_status grey_of(igi_context *ctx, const igi_photo *photo, uint8_t **gr
     return IGI_OK;
 }
 
+/* Into the place of the next view. */
+static igi_status find_corners(igi_context *ctx, const session *s, const igi_photo *photo,
+                               const uint8_t *grey, bool *found)
+{
+    const igi_chessboard *b = s->board;
+    float *corners = s->corners + s->found * s->points * 2;
+    if (!b->markers)
+        return igi_cv_find_chessboard(ctx, grey, photo->width, photo->height, b->columns, b->rows,
+                                      corners, found);
+    igi_cv_charuco board = {b->columns, b->rows, b->marker_m / b->square_m, b->markers};
+    size_t count;
+    IGI_TRY(igi_cv_find_charuco(ctx, grey, photo->width, photo->height, &board, corners, &count));
+    *found = count >= LEAST_CORNERS && (double)count >= LEAST_PART * (double)s->points;
+    return IGI_OK;
+}
+
 static igi_status add_view(igi_context *ctx, session *s, size_t index, const char *path,
                            igi_calibration **calibration)
 {
@@ -52,9 +71,7 @@ static igi_status add_view(igi_context *ctx, session *s, size_t index, const cha
     IGI_TRY_GOTO(igi_photo_load(ctx, path, &photo));
     IGI_TRY_GOTO(igi_calibration_for(ctx, path, photo, calibration));
     IGI_TRY_GOTO(grey_of(ctx, photo, &grey));
-    IGI_TRY_GOTO(igi_cv_find_chessboard(ctx, grey, photo->width, photo->height, s->board->columns,
-                                        s->board->rows, s->corners + s->found * s->points * 2,
-                                        &found));
+    IGI_TRY_GOTO(find_corners(ctx, s, photo, grey, &found));
     if (found) {
         s->used[s->found] = true;
         s->view[s->found++] = index;
@@ -161,11 +178,13 @@ igi_status igi_calibrate_chessboard(igi_context *ctx, const char *const *paths, 
     session s = {.board = board, .points = (size_t)board->columns * (size_t)board->rows};
     igi_calibration *own = NULL, **target = *calibration ? calibration : &own;
     if (board->columns < 3 || board->rows < 3 || board->columns > 100 || board->rows > 100 ||
-        !(board->square_m > 0) || count < 1 || count > MOST_VIEWS)
-        return igi_fail(ctx, IGI_E_USAGE,
-                        "chessboard: 3 to 100 inner corners a side, a positive square and at most "
-                        "%d photographs, please",
-                        MOST_VIEWS);
+        !(board->square_m > 0) || count < 1 || count > MOST_VIEWS ||
+        (board->markers && !(board->marker_m > 0 && board->marker_m < board->square_m)))
+        return igi_fail(
+            ctx, IGI_E_USAGE,
+            "chessboard: 3 to 100 inner corners a side, a positive square, markers that "
+            "are smaller than it and at most %d photographs, please",
+            MOST_VIEWS);
     igi_stage_begin(ctx, "chessboard");
     IGI_TRY_GOTO(prepare(ctx, &s, count));
     for (size_t i = 0; i < count; i++) {
@@ -174,9 +193,10 @@ igi_status igi_calibrate_chessboard(igi_context *ctx, const char *const *paths, 
     }
     if (s.found < LEAST_VIEWS) {
         status = igi_fail(ctx, IGI_E_DATA,
-                          "%s: the whole board of %d x %d inner corners is seen in %zu of %zu "
+                          "%s: %s board of %d x %d inner corners is seen in %zu of %zu "
                           "photographs; %d are needed, better a dozen",
-                          paths[0], board->columns, board->rows, s.found, count, LEAST_VIEWS);
+                          paths[0], board->markers ? "enough of the" : "the whole", board->columns,
+                          board->rows, s.found, count, LEAST_VIEWS);
         goto cleanup;
     }
     IGI_TRY_GOTO(name_views(ctx, paths, count, *target));

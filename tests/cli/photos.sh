@@ -16,6 +16,9 @@ expect 3 'guess: ' "$igi" merge a.jpg -o x.exr --response guess
 expect 2 'what do the images show' "$igi" calibrate a.jpg -o x.json
 expect 2 'inner corners' "$igi" calibrate a.jpg -o x.json --chessboard 9by6
 expect 2 'how large are the squares' "$igi" calibrate a.jpg -o x.json --chessboard 9x6
+expect 2 'how large are the markers' "$igi" calibrate a.jpg -o x.json --charuco 7x5 --square .03
+expect 2 'how large are the markers' "$igi" calibrate a.jpg -o x.json --charuco 7x5 --square .03 \
+    --marker .04
 expect 2 'name the images' "$igi" calibrate --flat -o x.json
 expect 2 'name no others' "$igi" calibrate --overlap a b.exr -o x.json
 expect 3 'nowhere' "$igi" calibrate --overlap nowhere -o x.json

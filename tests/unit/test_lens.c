@@ -50,7 +50,7 @@ static void opencv_left(void)
                                           "08", "09", "11", "12", "13", "14"};
     char folder[600], storage[14][700] = {{0}};
     const char *paths[14];
-    const igi_chessboard board = {9, 6, .025};
+    const igi_chessboard board = {.columns = 9, .rows = 6, .square_m = .025};
     igi_calibration *c = NULL;
     if (!test_shared_data("real/calib_opencv_left", folder, sizeof folder)) return;
     igi_context *ctx = test_context(1);
