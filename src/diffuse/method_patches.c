@@ -111,12 +111,15 @@ static double sweep(const solver *s, igi_region_sums *sums)
 /* What was seen, less the lobes' part of it. */
 static void fill_seen(const solver *s)
 {
-    for (size_t i = 0; i < s->rows->seen_count; i++)
+    for (size_t i = 0; i < s->rows->seen_count; i++) {
+        uint32_t side = s->rows->side[i];
+        if (s->correction) s->places.weight[i] *= s->correction->trust[side];
         for (size_t b = 0; b < s->bands; b++) {
-            size_t k = s->rows->side[i] * s->bands + b;
+            size_t k = side * s->bands + b;
             s->radiance[k] = s->problem->seen[k] - (s->correction ? s->correction->seen[k] : 0);
             s->places.radiance[i * s->bands + b] = s->radiance[k];
         }
+    }
 }
 
 igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,

@@ -58,11 +58,16 @@ float igi_footprint(const igi_problem *problem, size_t frame, uint32_t surface, 
 /* The side of a patch that an observation shows. */
 uint32_t igi_problem_side_of(const igi_problem *problem, size_t observation);
 
-/* What lobes add to diffuse transport, to be taken out of it: see recover/specular.h. */
+/* What lobes add to diffuse transport, to be taken out of it: see specular/correction.h. */
 typedef struct igi_correction {
-    float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side, */
-    float *surfaces; /* [2 patches][bands] and of that the part that came from no lamp */
+    float *seen;     /* [2 patches][bands] the lobes' part of what was seen of each side */
+    float *trust;    /* [2 patches] weight of each side in its region's albedo, 0..1 */
     float *received; /* [rows][bands] irradiance that lobes send beyond the diffuse part */
+
+    size_t *view_begin;   /* [2 patches + 1] the photographs that show a side: views
+                             view_begin[side]..., in order; the last may stand for several */
+    uint32_t *view_frame; /* [views] */
+    float *surfaces; /* [views][bands] the lobes' part of what it shows that came from no lamp */
 } igi_correction;
 
 /* What a method finds. */

@@ -19,7 +19,7 @@ typedef struct job {
     igi_photographs *photographs;
 } job;
 
-static void predict(const job *j, const igi_hit *hit, igi_vec eye, igi_vec direction,
+static void predict(const job *j, size_t frame, const igi_hit *hit, igi_vec direction,
                     float *radiance)
 {
     const igi_problem *p = j->problem;
@@ -42,8 +42,7 @@ static void predict(const job *j, const igi_hit *hit, igi_vec eye, igi_vec direc
     }
     igi_field_irradiance(j->field, igi_surface_of(hit), hit->u, hit->v, irradiance);
     for (int b = 0; b < p->bands; b++) radiance[b] = albedo[b] / IGI_PIF * irradiance[b];
-    if (p->lobes)
-        igi_lobe_view_radiance(p->lobes, p, igi_surface_of(hit), hit->u, hit->v, eye, radiance);
+    if (p->lobes) igi_lobe_view_radiance(p->lobes, p, frame, hit, radiance, radiance);
 }
 
 static igi_status take_photograph(igi_context *ctx, const job *j, size_t frame, igi_comparison *c)
@@ -80,7 +79,7 @@ static igi_status compare_frame(igi_context *ctx, void *user, size_t index, int 
         for (int x = 0; x < c->photo->width; x++, radiance += p->bands) {
             igi_vec direction = igi_camera_direction(&frame->camera, x + 0.5, y + 0.5);
             igi_hit hit = igi_trace(p->tracer, centre, direction);
-            predict(j, &hit, centre, direction, radiance);
+            predict(j, number, &hit, direction, radiance);
         }
     igi_count_rays(ctx, (uint64_t)c->photo->width * (uint64_t)c->photo->height);
     return IGI_OK;

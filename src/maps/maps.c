@@ -157,7 +157,7 @@ static int plain_size(const job *j, uint32_t region)
     return power_of_two(1 / fmaxf(scale * j->problem->patches->size_m, 1e-6f), LARGEST_PLAIN);
 }
 
-/* Mean of the map over the area that the photographs show. */
+/* Mean of the map over the area that the photographs show, as far as they determine it. */
 static void take_area_mean(const job *j, uint32_t region, igi_material *m)
 {
     const igi_problem *p = j->problem;
@@ -171,12 +171,13 @@ static void take_area_mean(const job *j, uint32_t region, igi_material *m)
         double share = (double)p->patches->area[side >> 1] / (double)taken;
         for (size_t n = 0; n < taken; n++) {
             size_t i = p->order[p->site_begin[side] + n * sites / taken];
-            float x, y, albedo[IGI_MAX_BANDS];
+            float x, y, albedo[IGI_MAX_BANDS + 1];
             igi_layout_place(j->layout, igi_surface_triangle(o->surface[i]), o->uv[2 * i],
                              o->uv[2 * i + 1], m->map->width, &x, &y);
-            igi_map_at(m->map, p->bands, r->has_uvs && r->uvs_wrap, x, y, albedo);
-            for (int b = 0; b < p->bands; b++) sum[b] += share * (double)albedo[b];
-            area += share;
+            igi_map_at(m->map, p->bands + 1, r->has_uvs && r->uvs_wrap, x, y, albedo);
+            double known = share * (double)albedo[p->bands];
+            for (int b = 0; b < p->bands; b++) sum[b] += known * (double)albedo[b];
+            area += known;
         }
     }
     for (int b = 0; b < p->bands && area > 0; b++) m->albedo[b] = sum[b] / area;
@@ -211,6 +212,7 @@ static igi_status make_map(igi_context *ctx, void *user, size_t index, int worke
         size = p->options->map_size;
         if (size <= 0) IGI_TRY(fine_size(ctx, j, region, &size));
         IGI_TRY_GOTO(igi_texels_create(ctx, size, p->bands, r->has_uvs && r->uvs_wrap, &texels));
+        for (int b = 0; b < p->bands; b++) texels.albedo += (float)m->albedo[b] / (float)p->bands;
         IGI_TRY_GOTO(
             igi_texels_add_pixels(ctx, &texels, p, j->field, j->layout, &j->sides, region));
     } else {

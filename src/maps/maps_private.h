@@ -11,12 +11,13 @@
 typedef struct igi_texels {
     int size, bands;
     bool wraps;
-    float *weight;       /* [size][size] */
-    float *weight2;      /* of the squares */
-    float *reflected;    /* [size][size][bands] pi w L */
-    float *received;     /* [size][size][bands] w E */
-    float *ratio2;       /* w (reflected / received)^2, bands summed before the ratio */
-    float *received_var; /* w (relative standard deviation of E)^2 */
+    float albedo;      /* of the region, about: mean over bands; the caller's */
+    float *weight;     /* [size][size] */
+    float *weight2;    /* of the squares */
+    float *reflected;  /* [size][size][bands] pi w L */
+    float *received;   /* [size][size][bands] w E */
+    float *ratio2;     /* w (reflected / received)^2, bands summed before the ratio */
+    float *common_var; /* w (relative standard deviation that the texel's pixels share)^2 */
     size_t pixel_count;
     float *pixels; /* [pixel_count][3 + 2 bands] x, y, w, pi L, E of each pixel, or NULL */
 } igi_texels;

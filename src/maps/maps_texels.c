@@ -5,8 +5,8 @@
  * falls with its footprint: a pixel that covers many texels tells little of each.
  *
  * The standard deviation holds two things: how the pixels of a texel scatter about it (pooled with
- * the region's, where they are few), which more of them average out, and the noise of E, which all
- * pixels of a texel share, so that it stays.
+ * the region's, where they are few), which more of them average out, and the errors of E and of the
+ * lobe, which all pixels of a texel share, so that they stay.
  */
 #include "maps/maps_private.h"
 
@@ -20,8 +20,11 @@
  * with known textures). */
 #define BLUR 0.25f
 #define DARK_SHARE 0.02
-/* A pixel that is half highlight counts for a fifth. */
-#define HIGHLIGHT_PENALTY 16
+/* Relative errors: of a pixel; of the lobe's light from lamps, which a few samples and a mean share
+ * of shadow give; of that from surfaces, a mean over a patch. */
+#define PIXEL_NOISE 0.05f
+#define LAMP_ERROR 0.1f
+#define SURFACE_ERROR 0.3f
 /* Pixels of a region are kept for sharpening up to this; of more, there are many in each texel. */
 #define KEPT_BYTES ((size_t)48 << 20)
 
@@ -35,7 +38,7 @@ igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, 
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n * (size_t)bands, &texels->reflected));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n * (size_t)bands, &texels->received));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->ratio2));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->received_var));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n, &texels->common_var));
 cleanup:
     if (status != IGI_OK) igi_texels_clear(texels);
     return status;
@@ -48,7 +51,7 @@ void igi_texels_clear(igi_texels *texels)
     igi_free(texels->reflected);
     igi_free(texels->received);
     igi_free(texels->ratio2);
-    igi_free(texels->received_var);
+    igi_free(texels->common_var);
     igi_free(texels->pixels);
     *texels = (igi_texels){0};
 }
@@ -56,7 +59,7 @@ void igi_texels_clear(igi_texels *texels)
 typedef struct sample {
     const float *radiance;   /* [bands] */
     const float *irradiance; /* [bands] */
-    float ratio2, received_var;
+    float ratio2, common_var;
 } sample;
 
 static sample make_sample(const igi_texels *t, const float *radiance, const float *irradiance,
@@ -77,7 +80,7 @@ static void add_to_texel(igi_texels *t, size_t texel, float w, const sample *s)
     t->weight[texel] += w;
     t->weight2[texel] += w * w;
     t->ratio2[texel] += w * s->ratio2;
-    t->received_var[texel] += w * s->received_var;
+    t->common_var[texel] += w * s->common_var;
     for (size_t b = 0; b < (size_t)t->bands; b++) {
         t->reflected[first + b] += w * IGI_PIF * s->radiance[b];
         t->received[first + b] += w * s->irradiance[b];
@@ -115,25 +118,35 @@ static float texel_side(const igi_layout *layout, uint32_t triangle, int size)
                     : 0;
 }
 
-/* The photographed radiance without the region's lobe; returns how far to trust the rest: what a
- * highlight leaves is a difference of large numbers. */
+static float mean_of(const float *x, size_t bands)
+{
+    float sum = 0;
+    for (size_t b = 0; b < bands; b++) sum += x[b];
+    return sum / (float)bands;
+}
+
+/* The photographed radiance without the region's lobe. What is left has noise and the errors of the
+ * lobe's two parts, which are shares of them. Returns its trust beside a view without a highlight, one
+ * over the variance; *error: of the lobe, relative to the diffuse part. */
 static float without_lobe(const igi_problem *problem, size_t observation, size_t frame,
-                          float *radiance)
+                          float diffuse, float *radiance, float *error)
 {
     const igi_observations *o = problem->observations;
     size_t bands = (size_t)o->bands;
-    float lobe[IGI_MAX_BANDS] = {0}, all = 0, part = 0;
+    float lamps[IGI_MAX_BANDS] = {0}, surfaces[IGI_MAX_BANDS] = {0};
+    igi_hit hit = {.triangle = igi_surface_triangle(o->surface[observation]),
+                   .u = o->uv[2 * observation],
+                   .v = o->uv[2 * observation + 1],
+                   .back = igi_surface_is_back(o->surface[observation])};
     if (problem->lobes)
-        igi_lobe_view_radiance(problem->lobes, problem, o->surface[observation],
-                               o->uv[2 * observation], o->uv[2 * observation + 1],
-                               igi_camera_centre(&problem->scene->frames[frame].camera), lobe);
-    for (size_t b = 0; b < bands; b++) {
-        radiance[b] = o->radiance[observation * bands + b] - lobe[b];
-        all += o->radiance[observation * bands + b];
-        part += lobe[b];
-    }
-    float share = all > 0 ? part / all : 0;
-    return 1 / (1 + HIGHLIGHT_PENALTY * share * share);
+        igi_lobe_view_radiance(problem->lobes, problem, frame, &hit, lamps, surfaces);
+    for (size_t b = 0; b < bands; b++)
+        radiance[b] = o->radiance[observation * bands + b] - lamps[b] - surfaces[b];
+    float lit = mean_of(lamps, bands), mirrored = mean_of(surfaces, bands);
+    diffuse = fmaxf(diffuse, 1e-9f);
+    *error = fminf(hypotf(LAMP_ERROR * lit, SURFACE_ERROR * mirrored) / diffuse, 1e6f);
+    float noise = PIXEL_NOISE * (1 + (lit + mirrored) / diffuse);
+    return PIXEL_NOISE * PIXEL_NOISE / (noise * noise + *error * *error);
 }
 
 static void add_pixels_of_side(igi_texels *texels, const igi_problem *problem,
@@ -152,11 +165,12 @@ static void add_pixels_of_side(igi_texels *texels, const igi_problem *problem,
             texel = texel_side(layout, triangle, texels->size);
         }
         float share = texel / fmaxf(igi_footprint(problem, frame, o->surface[i], u, v), 1e-9f);
-        float weight = fminf(1, share * share), radiance[IGI_MAX_BANDS];
-        weight *= without_lobe(problem, i, frame, radiance);
+        float weight = fminf(1, share * share), radiance[IGI_MAX_BANDS], error;
         igi_field_irradiance(field, o->surface[i], u, v, irradiance);
+        float diffuse = texels->albedo / IGI_PIF * mean_of(irradiance, (size_t)problem->bands);
+        weight *= without_lobe(problem, i, frame, diffuse, radiance, &error);
         igi_layout_place(layout, triangle, u, v, texels->size, &x, &y);
-        sample s = make_sample(texels, radiance, irradiance, std);
+        sample s = make_sample(texels, radiance, irradiance, hypotf(std, error));
         splat(texels, x, y, weight, &s);
         if (texels->pixels) keep(texels, x, y, weight, &s);
     }
@@ -187,7 +201,8 @@ void igi_texels_add_patches(igi_texels *texels, const igi_problem *problem, cons
         float radiance[IGI_MAX_BANDS];
         for (size_t b = 0; b < (size_t)problem->bands; b++) {
             size_t at = side * (size_t)problem->bands + b;
-            radiance[b] = problem->seen[at] - (problem->lobes ? problem->lobes->seen[at] : 0);
+            radiance[b] = problem->seen[at] -
+                          (problem->lobes ? problem->lobes->correction->seen[at] : 0);
         }
         if (!igi_field_of_side(field, side, irradiance)) continue;
         sample s = make_sample(texels, radiance, irradiance, igi_field_std(field, side));
@@ -234,7 +249,7 @@ static float relative_variance(const igi_texels *t, size_t i, float pooled)
         float own = fmaxf(0.0f, t->ratio2[i] / t->weight[i] * e * e / (l * l) - 1);
         variance = (n * own + POOLED * pooled) / (n - 1 + POOLED);
     }
-    return variance / fmaxf(n, 1) + t->received_var[i] / t->weight[i];
+    return variance / fmaxf(n, 1) + t->common_var[i] / t->weight[i];
 }
 
 /* Light below which a texel tells nothing: a share of what the region's texels get on average. */
@@ -263,7 +278,7 @@ static bool finish_texel(const igi_texels *t, size_t i, float pooled, const floa
         albedo[b] = fmaxf(0.0f, t->reflected[i * bands + b] / t->received[i * bands + b]);
         std[b] = relative * fmaxf(albedo[b], 1e-3f);
     }
-    albedo[bands] = t->weight[i] / (t->weight[i] + 1);
+    albedo[bands] = t->weight[i] / (t->weight[i] + 1) / (1 + t->common_var[i] / t->weight[i]);
     return true;
 }
 

@@ -45,7 +45,7 @@ double igi_residual_albedo(const igi_problem *p, const igi_field *field, uint32_
     if (igi_problem_seen_count(p, side) == 0 || !igi_field_of_side(field, side, irradiance))
         return -1;
     double received = mean_of(irradiance, p->bands), left = mean_of(p->seen + at, p->bands);
-    if (p->lobes) left -= mean_of(p->lobes->seen + at, p->bands);
+    if (p->lobes) left -= mean_of(p->lobes->correction->seen + at, p->bands);
     return received > 0 ? fmax(0, IGI_PI * left / received) : -1;
 }
 

@@ -2,24 +2,33 @@
 #include "specular/lobe_view.h"
 
 #include "brdf/brdf.h"
+#include "scene/camera.h"
 
 #define LAMP_SAMPLES 16
 
-void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, uint32_t surface,
-                            float u, float v, igi_vec eye, float *radiance)
+static void add_surfaces(const igi_correction *c, size_t bands, uint32_t side, size_t frame,
+                         float *radiance)
+{
+    size_t at = c->view_begin[side], end = c->view_begin[side + 1];
+    if (at == end) return; /* no photograph shows it */
+    while (at + 1 < end && c->view_frame[at] < frame) at++;
+    for (size_t b = 0; b < bands; b++) radiance[b] += c->surfaces[at * bands + b];
+}
+
+void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
+                            const igi_hit *hit, float *lamps, float *surfaces)
 {
     const igi_problem *p = problem;
-    uint32_t triangle = igi_surface_triangle(surface);
-    const igi_lobe *lobe = &view->lobes[p->scene->mesh.regions[triangle]];
+    const igi_lobe *lobe = &view->lobes[p->scene->mesh.regions[hit->triangle]];
     if (lobe->model == IGI_LAMBERT) return;
-    uint32_t side = igi_side_at(p->patches, triangle, u, v, igi_surface_is_back(surface));
-    for (int b = 0; b < p->bands; b++)
-        radiance[b] += view->surfaces[(size_t)side * (size_t)p->bands + (size_t)b];
+    uint32_t side = igi_side_at(p->patches, hit->triangle, hit->u, hit->v, hit->back);
+    add_surfaces(view->correction, (size_t)p->bands, side, frame, surfaces);
     uint32_t row = view->rows->row_of[side];
     if (row == IGI_NO_ROW) return;
-    igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, u, v);
-    igi_vec normal = igi_tracer_normal(p->tracer, triangle);
-    if (igi_surface_is_back(surface)) normal = igi_scale(normal, -1);
+    igi_vec point = igi_triangle_point(&p->scene->mesh, hit->triangle, hit->u, hit->v);
+    igi_vec normal = igi_tracer_normal(p->tracer, hit->triangle);
+    igi_vec eye = igi_camera_centre(&p->scene->frames[frame].camera);
+    if (hit->back) normal = igi_scale(normal, -1);
     igi_vec out = igi_to_local(igi_normalize(igi_sub(eye, point)), normal);
     const float start[2] = {0.5f, 0.5f};
     for (size_t l = 0; l < view->rows->lights; l++) {
@@ -35,8 +44,8 @@ void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *proble
             igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
             float carried = visible * in.z * samples[k].weight;
             for (int b = 0; b < p->bands; b++)
-                radiance[b] += (lobe->specular[b] * scale + base) * carried *
-                               (float)p->lights[l].value[b];
+                lamps[b] += (lobe->specular[b] * scale + base) * carried *
+                            (float)p->lights[l].value[b];
         }
     }
 }

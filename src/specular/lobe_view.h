@@ -11,13 +11,13 @@
 typedef struct igi_lobe_view {
     const igi_rows *rows;
     const igi_lobe *lobes; /* [regions] */
-    const float *seen;     /* [2 patches][bands] the lobe's part of what was seen of a side, */
-    const float *surfaces; /* [2 patches][bands] and of that the part that came from no lamp */
+    const igi_correction *correction;
 } igi_lobe_view;
 
-/* Adds the lobe's radiance at a point toward `eye`: lamps by a few samples and the share of them
- * that the side sees, surfaces as they were seen of that side on average. */
-void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, uint32_t surface,
-                            float u, float v, igi_vec eye, float *radiance);
+/* Adds the lobe's radiance at a point as a photograph shows it: to `lamps` by a few samples and the
+ * share of the lamps that the side sees, to `surfaces` as it is on average over the side in that
+ * photograph. They may be the same. */
+void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
+                            const igi_hit *hit, float *lamps, float *surfaces);
 
 #endif

@@ -18,6 +18,7 @@
  */
 #include "diffuse/coarse.h"
 #include "diffuse/methods.h"
+#include "specular/correction.h"
 #include "specular/yu99.h"
 
 #include "base/parallel.h"
@@ -266,9 +267,7 @@ static igi_status hand_on(igi_context *ctx, yu99 *y, igi_correction *correction)
     IGI_TRY(igi_rows_create(ctx, p->scene, p->patches, p->tracer, p->lighting, &sites, &options,
                             &y->diffuse->rows));
     const igi_rows *rows = y->diffuse->rows;
-    IGI_TRY(IGI_ALLOC(ctx, sides * bands, &correction->seen));
-    IGI_TRY(IGI_ALLOC(ctx, sides * bands, &correction->surfaces));
-    IGI_TRY(IGI_ALLOC(ctx, rows->count * bands, &correction->received));
+    IGI_TRY(igi_correction_create(ctx, p, rows, correction));
     igi_coarse_hand_on(y->coarse, y->diffuse);
     for (uint32_t side = 0; side < sides; side++) {
         uint32_t e = y->element[side];
@@ -276,7 +275,8 @@ static igi_status hand_on(igi_context *ctx, yu99 *y, igi_correction *correction)
         for (size_t b = 0; b < bands; b++) {
             float *radiance = &y->diffuse->radiance[side * bands + b];
             correction->seen[side * bands + b] = y->gloss[e * bands + b];
-            correction->surfaces[side * bands + b] = y->mirrored[e * bands + b];
+            for (size_t v = correction->view_begin[side]; v < correction->view_begin[side + 1]; v++)
+                correction->surfaces[v * bands + b] = y->mirrored[e * bands + b];
             *radiance = fmaxf(0, *radiance - y->gloss[e * bands + b]);
         }
     }

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "specular/specular.h"
 
-#include "base/parallel.h"
 #include "diffuse/field.h"
 #include "diffuse/methods.h"
-#include "scene/camera.h"
+#include "specular/correction.h"
 
 #include <math.h>
 #include <string.h>
 
-#define SIDES_A_TASK 64
 /* What a lobe must gain in -2 ln likelihood: in all, and of every residual; less once the other
  * lobes' light is out of the way. On surfaces without a lobe, errors of the irradiance feign up to
  * .03 of a residual at first; the faintest true lobe of the cubical room gains .2, then .05. */
@@ -21,111 +19,6 @@
 #define HINT_NOISE 0.2
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
-#define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
-#define LEAST_RECEIVED 2   /* rays of a row that look for lobes: half of those it gathers with */
-#define MOST_RECEIVED 512
-
-typedef struct job {
-    const igi_problem *problem;
-    const igi_radiance_field *field;
-    const igi_rows *rows;
-    const igi_lobe *lobes;
-    igi_correction *correction;
-    const size_t *sides; /* [regions] seen sides */
-    uint64_t round;
-} job;
-
-static const igi_lobe *lobe_of_side(const job *j, uint32_t side)
-{
-    return &j->lobes[igi_patch_region(j->problem->patches, side >> 1)];
-}
-
-/* The lobe's mean part of what the photographs show of a side, from some of its pixels. */
-static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
-{
-    const igi_problem *p = j->problem;
-    const igi_observations *o = p->observations;
-    const igi_lobe *lobe = lobe_of_side(j, side);
-    size_t n = igi_problem_seen_count(p, side), bands = (size_t)p->bands;
-    float lamps[IGI_MAX_BANDS] = {0}, surfaces[IGI_MAX_BANDS] = {0};
-    uint64_t rays = 0;
-    int samples = (int)(SEEN_SAMPLES / j->sides[igi_patch_region(p->patches, side >> 1)]);
-    samples = samples < 12 ? 12 : samples > 64 ? 64 : samples;
-    for (int k = 0; k < samples; k++) {
-        size_t at = (size_t)(((double)k + (double)igi_rng_float(rng)) / samples * (double)n);
-        size_t i = p->order[p->site_begin[side] + at];
-        uint32_t triangle = igi_surface_triangle(o->surface[i]);
-        igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, o->uv[2 * i],
-                                           o->uv[2 * i + 1]);
-        igi_vec normal = igi_tracer_normal(p->tracer, triangle);
-        if (side & 1) normal = igi_scale(normal, -1);
-        igi_vec eye = igi_camera_centre(&p->scene->frames[igi_observation_frame(o, i)].camera);
-        rays += (uint64_t)igi_lobe_radiance(j->field, lobe, point, normal,
-                                            igi_normalize(igi_sub(eye, point)), rng, lamps,
-                                            surfaces);
-    }
-    for (size_t b = 0; b < bands; b++) {
-        j->correction->surfaces[side * bands + b] = surfaces[b] / (float)samples;
-        j->correction->seen[side * bands + b] = (lamps[b] + surfaces[b]) / (float)samples;
-    }
-    return rays;
-}
-
-/* Irradiance of a row by the lobes of what its rays meet. */
-static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
-{
-    const igi_problem *p = j->problem;
-    uint32_t side = j->rows->side[row];
-    size_t bands = (size_t)p->bands, half = (j->rows->begin[row + 1] - j->rows->begin[row]) / 2;
-    int samples = half < LEAST_RECEIVED  ? LEAST_RECEIVED
-                  : half > MOST_RECEIVED ? MOST_RECEIVED
-                                         : (int)half;
-    float sum[IGI_MAX_BANDS] = {0};
-    uint64_t rays = 0;
-    float start[2] = {igi_rng_float(rng), igi_rng_float(rng)};
-    for (int k = 0; k < samples; k++) {
-        uint32_t triangle;
-        float u, v, x = start[0] + (float)k * 0.7548776662f,
-                    y = start[1] + (float)k * 0.5698402910f;
-        igi_patch_sample(p->patches, side >> 1, rng, &triangle, &u, &v);
-        igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, u, v);
-        igi_vec normal = igi_tracer_normal(p->tracer, triangle);
-        if (side & 1) normal = igi_scale(normal, -1);
-        igi_vec direction = igi_cosine_direction(normal, x - floorf(x), y - floorf(y));
-        igi_hit hit = igi_trace(p->tracer, point, direction);
-        rays++;
-        if (hit.triangle == IGI_NO_HIT) continue;
-        const igi_lobe *lobe = &j->lobes[p->scene->mesh.regions[hit.triangle]];
-        if (lobe->model == IGI_LAMBERT) continue;
-        igi_vec met = igi_tracer_normal(p->tracer, hit.triangle);
-        if (hit.back) met = igi_scale(met, -1);
-        rays += (uint64_t)igi_lobe_radiance(j->field, lobe,
-                                            igi_madd(point, direction, hit.distance), met,
-                                            igi_scale(direction, -1), rng, sum, sum);
-    }
-    for (size_t b = 0; b < bands; b++)
-        j->correction->received[row * bands + b] = sum[b] * IGI_PIF / (float)samples;
-    return rays;
-}
-
-static igi_status correct_rows(igi_context *ctx, void *user, size_t task, int worker)
-{
-    (void)worker;
-    const job *j = user;
-    uint64_t rays = 0;
-    size_t end = (task + 1) * SIDES_A_TASK;
-    if (end > j->rows->count) end = j->rows->count;
-    for (size_t row = task * SIDES_A_TASK; row < end; row++) {
-        igi_rng rng = igi_rng_make(igi_seed(ctx) + 0x51ec + j->round, row);
-        uint32_t side = j->rows->side[row];
-        if (igi_problem_seen_count(j->problem, side) > 0 &&
-            lobe_of_side(j, side)->model != IGI_LAMBERT)
-            rays += seen_part(j, side, &rng);
-        rays += received_part(j, row, &rng);
-    }
-    igi_count_rays(ctx, rays);
-    return IGI_OK;
-}
 
 typedef struct irradiance_source {
     const igi_problem *problem;
@@ -352,28 +245,6 @@ static bool any_lobe(const igi_specular *s, size_t regions)
     return false;
 }
 
-/* Takes the present lobes' light out of the diffuse half, which is solved again. */
-static igi_status correct(igi_context *ctx, const igi_radiance_field *field, igi_diffuse *diffuse,
-                          igi_specular *s, uint64_t round)
-{
-    const igi_problem *p = field->problem;
-    igi_status status = IGI_OK;
-    size_t *sides = NULL, count = diffuse->rows->count;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->region_count, &sides));
-    for (size_t i = 0; i < diffuse->rows->seen_count; i++)
-        sides[igi_patch_region(p->patches, diffuse->rows->side[i] >> 1)]++;
-    job j = {p, field, diffuse->rows, s->lobes, &s->correction, sides, round};
-    size_t size = 2 * p->patches->count * (size_t)p->bands * sizeof(float);
-    memset(s->correction.seen, 0, size);
-    memset(s->correction.surfaces, 0, size);
-    IGI_TRY_GOTO(
-        igi_parallel_for(ctx, (count + SIDES_A_TASK - 1) / SIDES_A_TASK, correct_rows, &j));
-    IGI_TRY_GOTO(igi_patches_solve(ctx, p, &s->correction, diffuse));
-cleanup:
-    igi_free(sides);
-    return status;
-}
-
 static void set_total(const igi_problem *p, const igi_diffuse *d, const igi_correction *c,
                       float *total)
 {
@@ -405,7 +276,8 @@ static igi_status run(igi_context *ctx, const igi_problem *p, igi_diffuse *diffu
         st.irradiance = NULL;
         igi_stage_begin(ctx, "correct");
         field.lobes = s->lobes;
-        IGI_TRY_GOTO(correct(ctx, &field, diffuse, s, round));
+        IGI_TRY_GOTO(igi_correction_find(ctx, &field, diffuse, round, &s->correction));
+        IGI_TRY_GOTO(igi_patches_solve(ctx, p, &s->correction, diffuse));
     }
 cleanup:
     igi_candidates_clear(&st.candidates);
@@ -464,9 +336,7 @@ igi_status igi_specular_create(igi_context *ctx, const igi_problem *problem, igi
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->doubts));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->evidence));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &s->lobes));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.seen));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &s->correction.surfaces));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, diffuse->rows->count * bands, &s->correction.received));
+    IGI_TRY_GOTO(igi_correction_create(ctx, problem, diffuse->rows, &s->correction));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * bands, &total));
     IGI_TRY_GOTO(run(ctx, problem, diffuse, s, total));
     IGI_TRY_GOTO(widen_albedos(ctx, problem, diffuse, s));
@@ -480,8 +350,7 @@ cleanup:
 
 igi_lobe_view igi_specular_view(const igi_specular *specular, const igi_diffuse *diffuse)
 {
-    return (igi_lobe_view){diffuse->rows, specular->lobes, specular->correction.seen,
-                           specular->correction.surfaces};
+    return (igi_lobe_view){diffuse->rows, specular->lobes, &specular->correction};
 }
 
 void igi_specular_destroy(igi_specular *specular)
@@ -492,8 +361,6 @@ void igi_specular_destroy(igi_specular *specular)
     igi_free(specular->doubts);
     igi_free(specular->evidence);
     igi_free(specular->lobes);
-    igi_free(specular->correction.seen);
-    igi_free(specular->correction.surfaces);
-    igi_free(specular->correction.received);
+    igi_correction_clear(&specular->correction);
     igi_free(specular);
 }
