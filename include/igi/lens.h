@@ -81,7 +81,9 @@ IGI_API IGI_MUST_USE igi_status igi_calibrate_flat(igi_context *context, const c
                                                    size_t count, igi_calibration **calibration);
 
 /* Vignetting from the scene alone: what two photographs show of one matt place differs by it. The
- * images are those of the scene, as the lens shaded them; a few places that shine are outvoted. */
+ * images are those of the scene, merged from their exposures where it names brackets, as the lens
+ * shaded them: of a calibration that it names, the lens and the response are used, not the
+ * vignetting. A few places that shine are outvoted. */
 IGI_API IGI_MUST_USE igi_status igi_calibrate_overlap(igi_context *context, const igi_scene *scene,
                                                       igi_calibration **calibration);
 
@@ -102,6 +104,10 @@ IGI_API IGI_MUST_USE igi_status igi_correct(igi_context *context,
                                             const igi_calibration *calibration,
                                             const igi_image *image, igi_image **corrected,
                                             igi_camera *camera);
+
+/* Reads a scene's calibration, if it names one, and holds it against the cameras and the exposures: what
+ * recovery does first. */
+IGI_API IGI_MUST_USE igi_status igi_photographs_check(igi_context *context, const igi_scene *scene);
 
 /* The forward direction, for tests of the whole chain: what a camera makes of light. */
 typedef struct igi_sensor {

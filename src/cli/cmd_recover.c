@@ -182,8 +182,9 @@ static igi_status run(cli_session *s)
     cli_progress_report(s, "scene", 0);
     igi_status status = igi_scene_load(s->context, path, &scene);
     if (status == IGI_OK && s->values.dry_run) {
+        status = igi_photographs_check(s->context, scene);
         cli_progress_clear(&s->progress);
-        print_plan(scene, &s->values);
+        if (status == IGI_OK) print_plan(scene, &s->values);
     } else if (status == IGI_OK) {
         status = igi_output_begin(s->context, s->values.output, s->values.force, path, &output);
         if (status == IGI_OK) status = recover_into(s, scene, output);

@@ -9,6 +9,7 @@
  */
 #include "base/context.h"
 #include "lens/lens_private.h"
+#include "lens/photographs.h"
 #include "scene/camera.h"
 #include "trace/trace.h"
 
@@ -21,6 +22,8 @@
 
 typedef struct session {
     const igi_scene *scene;
+    igi_photographs *photographs;
+    igi_camera *cameras; /* [frame_count] */
     igi_tracer *tracer;
     float **planes; /* [frame_count][height][width] mean over 3 x 3 pixels and bands; 0: unusable */
     igi_vignetting_pairs pairs;
@@ -46,17 +49,19 @@ static float even_mean(const igi_image *image, int bands, int x, int y)
 
 static igi_status load_plane(igi_context *ctx, session *s, size_t frame)
 {
-    const igi_frame *f = &s->scene->frames[frame];
     igi_image *image = NULL;
-    IGI_TRY(igi_image_load_exr(ctx, f->path, &image));
+    char *warning = NULL;
+    IGI_TRY(igi_photographs_load(ctx, s->photographs, frame, &image, &warning));
     igi_status status = IGI_OK;
-    const igi_camera *first = &s->scene->frames[0].camera;
+    const igi_camera *first = &s->cameras[0];
+    if (warning) igi_warn(ctx, "%s", warning);
+    igi_free(warning);
     if (image->width != first->width || image->height != first->height ||
         image->channels < s->scene->bands)
         status = igi_fail(ctx, IGI_E_DATA,
                           "%s: not of the first image's size; calibrate the images "
                           "of one camera",
-                          f->path);
+                          s->scene->frames[frame].name);
     else status = IGI_ALLOC(ctx, (size_t)image->width * (size_t)image->height, &s->planes[frame]);
     for (int i = 0; status == IGI_OK && i < image->width * image->height; i++)
         s->planes[frame][i] = even_mean(image, s->scene->bands, i % image->width, i / image->width);
@@ -87,7 +92,7 @@ static igi_status add_pair(igi_context *ctx, igi_vignetting_pairs *pairs, const 
 static igi_status pair_with(igi_context *ctx, session *s, size_t other, igi_vec point,
                             igi_vec normal, const double at[2], double light)
 {
-    const igi_camera *camera = &s->scene->frames[other].camera;
+    const igi_camera *camera = &s->cameras[other];
     igi_vec centre = igi_camera_centre(camera), way = igi_sub(centre, point);
     double seen[2];
     if (!(igi_dot(normal, way) > .1f * igi_length(way)) ||
@@ -102,7 +107,7 @@ static igi_status pair_with(igi_context *ctx, session *s, size_t other, igi_vec 
 
 static igi_status pair_frame(igi_context *ctx, session *s, size_t frame, int step)
 {
-    const igi_camera *camera = &s->scene->frames[frame].camera;
+    const igi_camera *camera = &s->cameras[frame];
     const igi_mesh *mesh = &s->scene->mesh;
     igi_vec centre = igi_camera_centre(camera);
     for (int y = step / 2; y < camera->height; y += step)
@@ -126,7 +131,7 @@ static igi_status pair_frame(igi_context *ctx, session *s, size_t frame, int ste
 
 static igi_status pair_frames(igi_context *ctx, session *s)
 {
-    const igi_camera *first = &s->scene->frames[0].camera;
+    const igi_camera *first = &s->cameras[0];
     double frames = (double)s->scene->frame_count;
     double all = (double)first->width * first->height * frames * (frames - 1) / 2;
     int step = (int)ceil(sqrt(all / MOST_PAIRS));
@@ -149,14 +154,17 @@ igi_status igi_calibrate_overlap(igi_context *ctx, const igi_scene *scene,
                         "%s: vignetting shows where photographs overlap; one is "
                         "not enough",
                         scene->folder);
-    const igi_camera *first = &scene->frames[0].camera;
-    const igi_photo shape = {.width = first->width, .height = first->height};
     igi_stage_begin(ctx, "overlap");
+    IGI_TRY_GOTO(igi_photographs_open_as_taken(ctx, scene, &s.photographs));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &s.cameras));
+    for (size_t i = 0; i < scene->frame_count; i++)
+        s.cameras[i] = igi_photographs_camera(s.photographs, i);
+    const igi_photo shape = {.width = s.cameras[0].width, .height = s.cameras[0].height};
     IGI_TRY_GOTO(igi_calibration_for(ctx, scene->folder, &shape, target));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &s.planes));
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &s.tracer));
     IGI_TRY_GOTO(pair_frames(ctx, &s));
-    const int size[2] = {first->width, first->height};
+    const int size[2] = {shape.width, shape.height};
     IGI_TRY_GOTO(igi_vignetting_fit_pairs(ctx, &s.pairs, size, &(*target)->vignetting));
     *calibration = *target;
     own = NULL;
@@ -164,6 +172,8 @@ cleanup:
     igi_stage_begin(ctx, NULL);
     for (size_t i = 0; s.planes && i < scene->frame_count; i++) igi_free(s.planes[i]);
     igi_free(s.planes);
+    igi_free(s.cameras);
+    igi_photographs_close(s.photographs);
     igi_free(s.pairs.a);
     igi_free(s.pairs.b);
     igi_free(s.pairs.log_ratios);

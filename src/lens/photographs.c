@@ -15,6 +15,7 @@ struct igi_photographs {
     const igi_scene *scene;
     igi_calibration *calibration; /* NULL: the images are as they are wanted */
     igi_merge_options merge;
+    bool as_taken; /* neither corrected nor scaled */
 };
 
 /* The camera that the file's image belongs to. */
@@ -108,6 +109,32 @@ cleanup:
     return status;
 }
 
+igi_status igi_photographs_open_as_taken(igi_context *ctx, const igi_scene *scene,
+                                         igi_photographs **photographs)
+{
+    IGI_TRY(igi_photographs_open(ctx, scene, photographs));
+    (*photographs)->as_taken = true;
+    return IGI_OK;
+}
+
+igi_camera igi_photographs_camera(const igi_photographs *photographs, size_t frame)
+{
+    const igi_camera *taken = camera_of(&photographs->scene->frames[frame]);
+    const igi_calibration *c = photographs->calibration;
+    if (!c || !c->has_lens) return *taken;
+    igi_camera camera = c->lens;
+    memcpy(camera.camera_to_world, taken->camera_to_world, sizeof camera.camera_to_world);
+    return camera;
+}
+
+igi_status igi_photographs_check(igi_context *ctx, const igi_scene *scene)
+{
+    igi_photographs *photographs;
+    IGI_TRY(igi_photographs_open(ctx, scene, &photographs));
+    igi_photographs_close(photographs);
+    return IGI_OK;
+}
+
 void igi_photographs_close(igi_photographs *photographs)
 {
     if (!photographs) return;
@@ -156,7 +183,7 @@ igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photogr
     *warning = NULL;
     if (f->exposure_count) IGI_TRY_GOTO(merge_frame(ctx, photographs, f, &taken, warning));
     else IGI_TRY_GOTO(igi_image_load_exr(ctx, f->path, &taken));
-    if (c && (c->has_lens || c->vignetting.known)) {
+    if (!photographs->as_taken && c && (c->has_lens || c->vignetting.known)) {
         if (taken->width != c->width || taken->height != c->height) {
             status = igi_fail(ctx, IGI_E_DATA, "%s: %d x %d pixels, and %s is for %d x %d", f->path,
                               taken->width, taken->height, photographs->scene->calibration,
@@ -168,7 +195,7 @@ igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photogr
         *image = taken;
         taken = NULL;
     }
-    IGI_TRY_GOTO(shrink(ctx, f, image));
+    if (!photographs->as_taken) IGI_TRY_GOTO(shrink(ctx, f, image));
 cleanup:
     igi_image_destroy(taken);
     if (status != IGI_OK) {

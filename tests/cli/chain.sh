@@ -46,6 +46,22 @@ expect 0 '' "$igi" recover -q room -o out
 cmp out/materials.json by_keys/materials.json || fail "the manifest's keys give another result"
 expect 0 '' "$igi" validate -q out --truth room/truth --tolerance .03
 
+# Vignetting from the overlaps of the same brackets, by the lens and the response, beside the flat
+# field's.
+expect 0 '' "$igi" calibrate -q --overlap keys -o overlap.json
+python3 - camera.json overlap.json <<'PYTHON' || fail "overlaps tell another vignetting"
+import json, sys
+flat, overlap = (json.load(open(path))["vignetting"] for path in sys.argv[1:])
+def V(v, x, y):
+    r2 = ((x - v["centre"][0])**2 + (y - v["centre"][1])**2) / (80**2 + 60**2)
+    return 1 + r2 * (v["k"][0] + r2 * (v["k"][1] + r2 * v["k"][2]))
+ratios = [V(overlap, x, y) / V(flat, x, y) for x in range(0, 161, 16) for y in range(0, 121, 12)]
+mean = sum(ratios) / len(ratios)
+rms = (sum((r / mean - 1)**2 for r in ratios) / len(ratios))**.5
+print(f"overlap against flat field: rms {rms:.4f}")
+assert rms < .01 and V(flat, 0, 0) < .85, rms
+PYTHON
+
 # What is wrong with the list is said with its line, before the long work.
 list() {
     printf '%s\n' "$1" >keys/photos/brackets.json
@@ -66,6 +82,7 @@ expect 3 'give "linear" or "srgb"' "$igi" recover keys -o no
 sed 's|"w": *160|"w": 80|' camera.json >half.json
 sed 's|../camera.json|../half.json|' keys/scene.json >other.json && mv other.json keys/scene.json
 cp room/photos/brackets.json keys/photos/brackets.json
+expect 3 'half.json: it is for 80 x 120 pixels' "$igi" recover keys --dry-run
 expect 3 'half.json: it is for 80 x 120 pixels, and image 0000 has 160 x 120' \
     "$igi" recover keys -o no
 finish
