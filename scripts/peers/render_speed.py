@@ -4,12 +4,14 @@
 
     python3 scripts/peers/render_speed.py SCENE [--samples N] [--igi build/release/igi]
 
-SCENE is one that z_test.py takes (lambert; area, point, spot or directional lights). Each side
-renders its first frame, on one thread; its error is the mean relative variance of a pixel, told
-from independent batches; variance times CPU seconds does not depend on the number of paths, so its
-ratio says how much longer one needs than the other. Loading and compiling are left out: a first
-small picture is taken and subtracted. Needs mitsuba, numpy and OpenEXR from PyPI; the llvm variant
-needs an LLVM that it gets on with (libllvm19 does; DRJIT_LIBLLVM_PATH names another).
+SCENE is one that z_test.py takes. Each side renders its first frame on one thread, REPEATS times
+with other seeds; its error is the mean over pixels of the variance between these pictures over the
+squared pixel (with 1 % of the mean pixel's square, as relative errors are told in the field), the
+same for both sides whatever their samplers do. Variance times CPU seconds does not depend on the
+number of paths, so its ratio says how much longer one needs than the other. Loading and compiling
+are left out: the smallest picture is taken and subtracted; what igi prepares before a larger picture
+counts. Mitsuba has its best sampler here (multijitter; of `independent` it needs more). Needs
+mitsuba, numpy and OpenEXR from PyPI; the llvm variant needs LLVM 17 or newer (Debian: libllvm19).
 """
 import argparse
 import json
@@ -20,9 +22,10 @@ import sys
 
 import numpy as np
 
+import mitsuba_prb as prb
 import z_test
 
-BATCHES = 4  # as igi does
+REPEATS = 6
 
 
 def cpu_seconds(who):
@@ -30,42 +33,43 @@ def cpu_seconds(who):
     return usage.ru_utime + usage.ru_stime
 
 
-def relative_variance(mean, variance):
-    bright = mean.mean(-1) > 1e-3 * mean.mean()  # a black pixel has no relative error
-    return float(np.median((variance.mean(-1) / mean.mean(-1).clip(1e-12) ** 2)[bright]))
+def relative_variance(pictures):
+    """Of one picture, from several."""
+    stack = np.stack(pictures)
+    mean, variance = stack.mean(0).mean(-1), stack.var(0, ddof=1).mean(-1)
+    return float((variance / (mean ** 2 + .01 * mean.mean() ** 2)).mean())
 
 
 def measure_igi(options):
-    begun = cpu_seconds(resource.RUSAGE_CHILDREN)
-    z_test.render_igi(options.igi, options.scene, 0, BATCHES, threads=1)
-    small = cpu_seconds(resource.RUSAGE_CHILDREN)
-    mean, variance = z_test.render_igi(options.igi, options.scene, 0, options.samples, threads=1)
-    seconds = cpu_seconds(resource.RUSAGE_CHILDREN) - small - (small - begun)
-    paths = options.samples - BATCHES
-    # what was subtracted had paths, too: the rest is that of `paths` alone
-    return seconds / paths, relative_variance(mean, variance) * options.samples
+    def take(samples, seed):
+        begun = cpu_seconds(resource.RUSAGE_CHILDREN)
+        picture, _ = z_test.render_igi(options.igi, options.scene, 0, samples, threads=1, seed=seed)
+        return picture, cpu_seconds(resource.RUSAGE_CHILDREN) - begun
+    load = min(take(1, 1)[1] for _ in range(3))
+    taken = [take(options.samples, seed) for seed in range(1, REPEATS + 1)]
+    seconds = sum(t for _, t in taken) / REPEATS - load
+    return seconds, relative_variance([p for p, _ in taken])
 
 
 def measure_mitsuba(variant, options):
     import mitsuba as mi
     mi.set_variant(variant)
+    mi.set_log_level(mi.LogLevel.Error)  # or a bar runs through the answer
     if variant.startswith("llvm"):
         import drjit
         drjit.set_thread_count(1)
     scene = z_test.mitsuba_scene(mi, options.scene, 0, "multijitter")
-    each = max(1, options.samples // BATCHES)
-    np.array(mi.render(scene, spp=each, seed=99))  # compiles what llvm compiles
+    np.array(mi.render(scene, spp=options.samples, seed=99))  # compiles what llvm compiles
     begun = cpu_seconds(resource.RUSAGE_SELF)
-    stack = np.stack([np.array(mi.render(scene, spp=each, seed=n)) for n in range(BATCHES)])
-    seconds = cpu_seconds(resource.RUSAGE_SELF) - begun
-    variance = stack.var(0, ddof=1)
-    return seconds / (each * BATCHES), relative_variance(stack.mean(0), variance) * each
+    pictures = [np.array(mi.render(scene, spp=options.samples, seed=n)) for n in range(REPEATS)]
+    seconds = (cpu_seconds(resource.RUSAGE_SELF) - begun) / REPEATS
+    return seconds, relative_variance(pictures)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene")
-    parser.add_argument("--samples", type=int, default=128)
+    parser.add_argument("--samples", type=int, default=64, help="a square")
     parser.add_argument("--igi", default="build/release/igi")
     parser.add_argument("--variant", help="measure this variant of mitsuba alone")
     options = parser.parse_args()
@@ -79,6 +83,7 @@ def main():
     if options.variant:
         print(json.dumps(measure_mitsuba(options.variant, options)))
         return 0
+    prb.find_llvm()
     rows = [("igi", *measure_igi(options))]
     for variant in ("scalar_rgb", "llvm_ad_rgb"):
         # a process each: an LLVM that is too old ends it
@@ -89,10 +94,10 @@ def main():
         else:
             rows.append((f"mitsuba {mi.__version__} {variant}", *json.loads(done.stdout.splitlines()[-1])))
     ours = rows[0][1] * rows[0][2]
-    print("| renderer | CPU s a path per pixel | relative variance of one path | time to equal error |")
+    print(f"| renderer | CPU s at {options.samples} paths a pixel | relative variance | time to equal error |")
     print("| --- | ---: | ---: | ---: |")
     for name, seconds, variance in rows:
-        print(f"| {name} | {seconds:.4f} | {variance:.3f} | {seconds * variance / ours:.2f} |")
+        print(f"| {name} | {seconds:.2f} | {variance:.5f} | {seconds * variance / ours:.2f} |")
     return 0 if all(s * v >= ours for _, s, v in rows) else 1
 
 

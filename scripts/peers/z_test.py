@@ -136,7 +136,7 @@ def render_mitsuba(mi, scene, samples, batches=16):
     return stack.mean(0), stack.var(0, ddof=1) / batches
 
 
-def render_igi(program, folder, frame, samples, threads=0):
+def render_igi(program, folder, frame, samples, threads=0, seed=1):
     with open(os.path.join(folder, "transforms.json"), encoding="utf-8") as file:
         cameras = json.load(file)
     name = os.path.splitext(os.path.basename(cameras["frames"][frame]["file_path"]))[0]
@@ -147,7 +147,7 @@ def render_igi(program, folder, frame, samples, threads=0):
             json.dump(cameras, file)
         subprocess.run([program, "relight", os.path.join(folder, "truth"), "--cameras", one,
                         "--samples", str(samples), "--variance", "-q", "-o", out,
-                        "--threads", str(threads)], check=True)
+                        "--threads", str(threads), "--seed", str(seed)], check=True)
         return read_exr(f"{out}/{name}.exr"), read_exr(f"{out}/{name}.variance.exr")
 
 

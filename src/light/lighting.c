@@ -44,6 +44,17 @@ static void add_emitter(igi_lighting *l, source *s, uint32_t triangle)
         .area = area};
 }
 
+/* The cut-point method (Chen and Asau 1974): where to begin to look for a share of the area. */
+static void find_cuts(igi_lighting *l, const source *s)
+{
+    uint32_t found = 0;
+    for (size_t k = 0; k < s->count; k++) {
+        float area = (float)k / (float)s->count * s->area;
+        while (found + 1 < s->count && l->areas[s->first + found] <= area) found++;
+        l->cuts[s->first + k] = found;
+    }
+}
+
 static void gather_emitters(igi_lighting *l)
 {
     size_t next = 0;
@@ -54,6 +65,7 @@ static void gather_emitters(igi_lighting *l)
         for (size_t t = 0; t < l->scene->mesh.triangle_count; t++)
             if (l->light_of_region[l->scene->mesh.regions[t]] == (int)i)
                 add_emitter(l, s, (uint32_t)t);
+        find_cuts(l, s);
         next += s->count;
     }
 }
@@ -97,6 +109,7 @@ igi_status igi_lighting_create(igi_context *ctx, const igi_scene *scene, const i
     IGI_TRY_GOTO(count_emitters(ctx, l, lights, &emitters));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->emitters));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->areas));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->cuts));
     for (size_t i = 0; i < light_count; i++) {
         l->sources[i].light = &lights[i];
         IGI_TRY_GOTO(prepare(ctx, &l->sources[i], l->bands));
@@ -120,6 +133,7 @@ void igi_lighting_destroy(igi_lighting *lighting)
     igi_free(lighting->sources);
     igi_free(lighting->emitters);
     igi_free(lighting->areas);
+    igi_free(lighting->cuts);
     igi_free(lighting->light_of_region);
     igi_free(lighting);
 }

@@ -34,6 +34,7 @@ struct igi_lighting {
     source *sources;
     emitter *emitters;
     float *areas;         /* of the emitters of the same light up to and including each */
+    uint32_t *cuts;       /* of its n emitters, the first whose areas exceed k/n of all, k < n */
     int *light_of_region; /* -1: dark */
 };
 

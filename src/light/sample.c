@@ -13,16 +13,16 @@ float igi_spot_factor(const source *s, igi_vec direction)
     return angle <= s->beam ? 1 : (s->cutoff - angle) / (s->cutoff - s->beam);
 }
 
-/* The first of the running sums that is above `area`. */
-static size_t find_area(const float *areas, size_t count, float area)
+/* The first of the running sums that is above u of the whole area. */
+static size_t find_area(const igi_lighting *l, const source *s, float u)
 {
-    size_t low = 0, high = count - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (areas[middle] > area) high = middle;
-        else low = middle + 1;
-    }
-    return low;
+    const float *areas = l->areas + s->first;
+    size_t k = (size_t)(u * (float)s->count), found;
+    float area = u * s->area;
+    found = l->cuts[s->first + (k < s->count ? k : s->count - 1)];
+    while (found > 0 && areas[found - 1] > area) found--; /* the product was rounded up */
+    while (found + 1 < s->count && areas[found] <= area) found++;
+    return found;
 }
 
 static bool sample_area(const igi_lighting *l, const source *s, igi_vec point, float u, float v,
@@ -30,7 +30,7 @@ static bool sample_area(const igi_lighting *l, const source *s, igi_vec point, f
 {
     if (s->count == 0) return false;
     float area = u * s->area;
-    size_t found = s->first + find_area(l->areas + s->first, s->count, area);
+    size_t found = s->first + find_area(l, s, u);
     const emitter *e = &l->emitters[found];
     /* What is left of u within the triangle is uniform again. */
     float rest = fminf(1.0f, fmaxf(0.0f, 1 - (l->areas[found] - area) / e->area));

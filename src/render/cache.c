@@ -9,8 +9,6 @@
 #include "brdf/brdf.h"
 #include "transport/gather.h"
 
-#define PATCH_SHARE 0.02f /* of the scene's diagonal */
-#define LIGHT_POINTS 4
 #define TOLERANCE 1e-4f
 #define MOST_SWEEPS 500
 #define ALBEDO_POINTS 4 /* of a textured patch */
@@ -174,8 +172,8 @@ cleanup:
     return status;
 }
 
-igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer, int rays,
-                            bool by_shooting, igi_cache **cache)
+igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer,
+                            const igi_cache_options *how, igi_cache **cache)
 {
     igi_status status = IGI_OK;
     igi_cache *c = NULL;
@@ -188,18 +186,20 @@ igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer, int 
     IGI_TRY_GOTO(IGI_ALLOC(ctx, renderer->scene->region_count, &c->lobes));
     for (size_t i = 0; i < renderer->scene->region_count; i++)
         measure_lobe(&renderer->finishes[i], &c->lobes[i]);
-    float size = PATCH_SHARE * igi_tracer_size(renderer->tracer, NULL, NULL);
+    float size = how->patch_share * igi_tracer_size(renderer->tracer, NULL, NULL);
     IGI_TRY_GOTO(igi_patches_create(ctx, &renderer->scene->mesh, size, &c->patches));
     size_t sides = 2 * c->patches->count;
+    if (how->most_sides && sides > how->most_sides) goto cleanup;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides + 1, &begin)); /* no sites: rows start anywhere */
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides, &wanted));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, sides * (size_t)renderer->bands, &c->irradiance));
     for (size_t i = 0; i < sides; i++) wanted[i] = c->patches->triangle[i / 2] != IGI_NO_HIT;
     igi_sites sites = {.begin = begin};
-    igi_gather_options options = {.rays = rays, .light_points = LIGHT_POINTS, .wanted = wanted};
+    igi_gather_options options = {
+        .rays = how->rays, .light_points = how->light_points, .wanted = wanted};
     IGI_TRY_GOTO(igi_rows_create(ctx, renderer->scene, c->patches, renderer->tracer,
                                  renderer->lighting, &sites, &options, &rows));
-    IGI_TRY_GOTO(solve(ctx, c, rows, by_shooting));
+    IGI_TRY_GOTO(solve(ctx, c, rows, how->shoot));
     *cache = c;
     c = NULL;
 cleanup:

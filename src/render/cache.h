@@ -7,9 +7,17 @@
 
 #include "render/path.h"
 
-/* Rays of each side: 64 or so. `shoot`: by shooting rather than gathering. Surfaces reflect diffusely, what their lobes reflect included. */
-IGI_MUST_USE igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer, int rays,
-                                         bool shoot, igi_cache **cache);
+typedef struct igi_cache_options {
+    int rays;          /* of each side */
+    int light_points;  /* of each side */
+    float patch_share; /* patches' size over the scene's diagonal */
+    bool shoot;        /* by shooting rather than gathering */
+    size_t most_sides; /* with more, none is made; 0: however many */
+} igi_cache_options;
+
+/* Surfaces reflect diffusely, what their lobes reflect included. */
+IGI_MUST_USE igi_status igi_cache_create(igi_context *ctx, const igi_renderer *renderer,
+                                         const igi_cache_options *options, igi_cache **cache);
 void igi_cache_destroy(igi_cache *cache);
 
 /* Adds what the surface at the hit sends back, times throughput[bands]. */

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-#define RADIOSITY_RAYS 256
-
 static const struct method {
     const char *name;
     int max_depth;  /* edges; 0: as the options say */
@@ -44,7 +42,9 @@ igi_status igi_renderer_set_method(igi_context *ctx, igi_renderer *renderer,
     if (m->max_depth > 0 && *max_depth > m->max_depth) *max_depth = m->max_depth;
     renderer->mirrors = m->mirrors;
     if (m->cache_edge == 0) return IGI_OK;
-    IGI_TRY(igi_cache_create(ctx, renderer, RADIOSITY_RAYS, m->shoots, &renderer->cache));
+    igi_cache_options fine = {
+        .rays = 256, .light_points = 4, .patch_share = 0.02f, .shoot = m->shoots};
+    IGI_TRY(igi_cache_create(ctx, renderer, &fine, &renderer->cache));
     renderer->cache_edge = m->cache_edge;
     return IGI_OK;
 }

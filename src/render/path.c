@@ -2,8 +2,13 @@
  *
  * One path (Kajiya 1986): at every vertex a point of each light is weighed, one shadow ray goes to
  * the one chosen in proportion to what it would bring, and one ray goes on where the BRDF sends it.
- * What both ways can find is shared by the balance heuristic (Veach 1997). From the fifth edge on,
+ * What both ways can find is shared by the power heuristic (Veach 1997). From the fifth edge on,
  * Russian roulette ends a path with the probability 1 - throughput.
+ *
+ * Where a rough radiosity B tells what a vertex sends back, roulette begins at the second edge, in
+ * proportion to what the path is expected to bring to the pixel (Vorba and Krivanek 2016), and what
+ * it ends is not lost: with the chance q of going on to an estimate X, the path brings B, or
+ * B + (X - B)/q (Szirmay-Kalos et al. 2005). The mean is that of X whatever B is.
  */
 #include "render/path.h"
 
@@ -11,11 +16,23 @@
 
 #define FIRST_ROULETTE 5
 
+/* A path that roulette may end stands for what it is expected to bring, over the pixel, times this. */
+#define PERSISTENCE 1.7f
+#define LEAST_CHANCE 0.25f
+#define LONG_PATH 16 /* edges; from here on it ends by its throughput, too */
+
 typedef struct candidate {
     igi_light_sample sample;
     float value[IGI_MAX_BANDS]; /* BRDF cosine times the light's, unoccluded, shared */
     float mean;
 } candidate;
+
+/* The power heuristic for what was sampled with `pdf` and might have been with `other`. */
+static float share_of(float pdf, float other)
+{
+    float ratio = other / pdf;
+    return 1 / (1 + ratio * ratio);
+}
 
 /* False when nothing comes from the light that way. */
 static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u, float v,
@@ -25,7 +42,7 @@ static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u
     if (!igi_light_sample_toward(r->lighting, light, s->point, u, v, &c->sample)) return false;
     if (!surface_value(s, r->bands, c->sample.direction, c->value, &pdf)) return false;
     /* A light of no extent (pdf 0) is never met by a ray of the BRDF. */
-    float share = c->sample.pdf > 0 && !r->mirrors ? c->sample.pdf / (c->sample.pdf + pdf) : 1;
+    float share = c->sample.pdf > 0 && !r->mirrors ? share_of(c->sample.pdf, pdf) : 1;
     c->mean = 0;
     for (int b = 0; b < r->bands; b++) {
         c->value[b] *= c->sample.weight * share * (float)r->lights[light].value[b];
@@ -69,7 +86,7 @@ static void add_sky(const igi_renderer *r, igi_vec origin, igi_vec direction, co
     for (size_t i = 0; i < igi_lighting_count(r->lighting); i++) {
         float sky[IGI_MAX_BANDS] = {0}, share = 1;
         igi_light_add_sky(r->lighting, i, direction, sky);
-        if (pdf >= 0) share = pdf / (pdf + igi_light_pdf(r->lighting, i, origin, direction, hit));
+        if (pdf >= 0) share = share_of(pdf, igi_light_pdf(r->lighting, i, origin, direction, hit));
         for (int b = 0; b < r->bands; b++) radiance[b] += throughput[b] * sky[b] * share;
     }
 }
@@ -87,19 +104,25 @@ static void add_emission(const igi_renderer *r, igi_vec origin, igi_vec directio
     if (light < 0) return;
     igi_lighting_add_emitted(r->lighting, direction, hit, emitted);
     if (pdf >= 0)
-        share = pdf / (pdf + igi_light_pdf(r->lighting, (size_t)light, origin, direction, hit));
+        share = share_of(pdf, igi_light_pdf(r->lighting, (size_t)light, origin, direction, hit));
     for (int b = 0; b < r->bands; b++) radiance[b] += throughput[b] * emitted[b] * share;
 }
 
-/* False: the path ends here. */
-static bool survive(int bands, sampler *points, float *throughput)
+static float largest(const igi_renderer *r, const float *values)
 {
-    float chance = 0, u, unused;
-    for (int b = 0; b < bands; b++) chance = fmaxf(chance, throughput[b]);
+    float most = 0;
+    for (int b = 0; b < r->bands; b++) most = fmaxf(most, values[b]);
+    return most;
+}
+
+/* False: the path ends here. */
+static bool survive(const igi_renderer *r, sampler *points, float *throughput)
+{
+    float chance = largest(r, throughput), u, unused;
     sampler_next(points, &u, &unused);
     if (chance >= 1) return true;
     if (!(u < chance)) return false;
-    for (int b = 0; b < bands; b++) throughput[b] /= chance;
+    for (int b = 0; b < r->bands; b++) throughput[b] /= chance;
     return true;
 }
 
@@ -120,9 +143,38 @@ static bool go_on(const igi_renderer *r, const surface *s, sampler *points, igi_
 typedef struct walk {
     igi_vec origin, normal, direction;
     float throughput[IGI_MAX_BANDS], pdf; /* of the direction; negative: the camera's */
+    float pixel; /* what the whole path is expected to bring; 0: not known */
     int edge;
     uint64_t rays;
 } walk;
+
+/* Roulette where B is known; IGNORES leaves it to that by throughput alone. */
+typedef enum verdict { ENDS, GOES_ON, IGNORES } verdict;
+
+static verdict judge(const igi_renderer *r, walk *w, const surface *s, const igi_hit *hit,
+                     sampler *points, float *radiance)
+{
+    float expected[IGI_MAX_BANDS] = {0}, u, unused;
+    /* What a lobe sends depends on the viewer, which B does not know. */
+    if (!r->expected || (w->pixel > 0 && s->lobe_share > 0)) return IGNORES;
+    igi_cache_add(r->expected, s, hit, w->throughput, expected);
+    float most = largest(r, expected);
+    if (!(w->pixel > 0)) {
+        w->pixel = most;
+        return most > 0 ? GOES_ON : IGNORES;
+    }
+    float chance = fminf(1.0f, PERSISTENCE * most / w->pixel);
+    if (w->edge >= LONG_PATH) chance = fminf(chance, largest(r, w->throughput));
+    chance = fmaxf(chance, LEAST_CHANCE);
+    if (chance >= 1) return GOES_ON;
+    sampler_next(points, &u, &unused);
+    bool survives = u < chance;
+    for (int b = 0; b < r->bands; b++) {
+        radiance[b] += expected[b] * (survives ? 1 - 1 / chance : 1);
+        w->throughput[b] /= chance;
+    }
+    return survives ? GOES_ON : ENDS;
+}
 
 /* From edge number w->edge to the path's end. */
 static uint64_t follow(const igi_renderer *r, walk *w, int max_depth, sampler *points,
@@ -145,13 +197,16 @@ static uint64_t follow(const igi_renderer *r, walk *w, int max_depth, sampler *p
             igi_cache_add(r->cache, &s, &hit, w->throughput, radiance);
             break;
         }
+        verdict told = judge(r, w, &s, &hit, points, radiance);
+        if (told == ENDS) break;
         w->rays += add_direct(r, &s, points, w->throughput, w->edge == 1 ? first : radiance);
         if (r->mirrors ? !surface_mirror(&s, r->bands, &w->direction, w->throughput)
                        : !go_on(r, &s, points, &w->direction, w->throughput, &w->pdf))
             break;
         w->origin = s.point;
         w->normal = s.normal;
-        if (w->edge >= FIRST_ROULETTE && !survive(r->bands, points, w->throughput)) break;
+        if (told == IGNORES && w->edge >= FIRST_ROULETTE && !survive(r, points, w->throughput))
+            break;
     }
     return w->rays;
 }

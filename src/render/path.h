@@ -32,6 +32,7 @@ struct igi_renderer {
     igi_lighting *lighting;
     igi_cache *cache; /* NULL, or what paths end with at their edge number cache_edge */
     int cache_edge;
+    igi_cache *expected; /* NULL, or about what paths find: roulette ends them with it */
     bool
         mirrors; /* paths go on in the mirror direction alone, and lamps are found by shadow rays */
 };

@@ -96,6 +96,15 @@ static igi_status measure(const relighting *r)
     return status;
 }
 
+/* Those of a single pass, which is all there is without a target. */
+static double paths_of(const igi_frame *frames, size_t count, const igi_relight_options *options)
+{
+    double pixels = 0;
+    for (size_t i = 0; i < count; i++)
+        pixels += (double)frames[i].camera.width * (double)frames[i].camera.height;
+    return pixels * options->render.samples;
+}
+
 igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras,
                        const igi_relight_options *options, const char *output)
 {
@@ -126,6 +135,9 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
     } else if (options->preview) {
         igi_stage_begin(ctx, "radiosity");
         IGI_TRY_GOTO(igi_renderer_add_cache(ctx, renderer));
+    } else {
+        igi_stage_begin(ctx, "radiosity");
+        IGI_TRY_GOTO(igi_renderer_expect(ctx, renderer, paths_of(frames, count, options)));
     }
     igi_stage_begin(ctx, "rendering");
     if (options->noise) *options->noise = 0;

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define TILE 16
-#define CACHE_RAYS 64
+#define PATHS_A_SIDE 32 /* rough radiosity costs what ten to twenty paths a side do */
 
 void igi_render_options_init(igi_render_options *options)
 {
@@ -87,6 +87,7 @@ void igi_renderer_destroy(igi_renderer *renderer)
 {
     if (!renderer) return;
     igi_cache_destroy(renderer->cache);
+    igi_cache_destroy(renderer->expected);
     igi_tracer_destroy(renderer->tracer);
     igi_lighting_destroy(renderer->lighting);
     igi_free(renderer->finishes);
@@ -96,9 +97,17 @@ void igi_renderer_destroy(igi_renderer *renderer)
 
 igi_status igi_renderer_add_cache(igi_context *ctx, igi_renderer *renderer)
 {
-    IGI_TRY(igi_cache_create(ctx, renderer, CACHE_RAYS, false, &renderer->cache));
+    static const igi_cache_options smooth = {.rays = 64, .light_points = 4, .patch_share = 0.02f};
+    IGI_TRY(igi_cache_create(ctx, renderer, &smooth, &renderer->cache));
     renderer->cache_edge = 2;
     return IGI_OK;
+}
+
+igi_status igi_renderer_expect(igi_context *ctx, igi_renderer *renderer, double paths)
+{
+    igi_cache_options rough = {.rays = 16, .light_points = 1, .patch_share = 0.03f};
+    rough.most_sides = 1 + (size_t)fmin(paths / PATHS_A_SIDE, 1e9);
+    return igi_cache_create(ctx, renderer, &rough, &renderer->expected);
 }
 
 typedef struct job {

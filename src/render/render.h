@@ -21,6 +21,11 @@ void igi_renderer_destroy(igi_renderer *renderer);
  * surface, and pictures are quick: their light is exact up to one bounce. */
 IGI_MUST_USE igi_status igi_renderer_add_cache(igi_context *ctx, igi_renderer *renderer);
 
+/* Solves a rough radiosity, from which paths know about what they will find: they end early and
+ * lose nothing by it, whatever its error. Does nothing when `paths`, about as many as will be traced,
+ * are too few to pay for it. */
+IGI_MUST_USE igi_status igi_renderer_expect(igi_context *ctx, igi_renderer *renderer, double paths);
+
 /* From now on pictures are made that way; *max_depth is cut to what it needs. */
 IGI_MUST_USE igi_status igi_renderer_set_method(igi_context *ctx, igi_renderer *renderer,
                                                 igi_render_method method, int *max_depth);

@@ -7,7 +7,7 @@
 
 static int wrap(int i, int n, bool repeat)
 {
-    if (repeat) return ((i % n) + n) % n;
+    if (repeat) return i < 0 ? i + n : i >= n ? i - n : i; /* it is off by one at most */
     return i < 0 ? 0 : i >= n ? n - 1 : i;
 }
 
