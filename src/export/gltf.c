@@ -16,13 +16,28 @@
 #include <stdio.h>
 #include <string.h>
 
-static igi_status add_texture(igi_glb *g, const igi_image *map, int *texture)
+/* By how much glTF's base colour is above the albedo. Its dielectric leaves the diffuse part what the
+ * lobe does not reflect, base (1 - E), where ours is a sum; and its lobe grows toward grazing angles,
+ * which of ours ggx alone does. E, the mean over directions of a GGX lobe with Schlick's F, is F0 (g -
+ * b) + b, with g and b fitted to quadratures for alpha up to .5 within .002. So that as much light is
+ * reflected: base (1 - E) + E = albedo + what our lobe reflects, E of ggx, about F0 of the others. */
+static double base_scale(const igi_material *m, int bands)
+{
+    if (m->emitter || m->model == IGI_LAMBERT) return 1;
+    double a = m->alpha, b = 1 / (21 + a * (70 + 250 * a)), g = 1 - a * a / (.27 + 1.08 * a);
+    double e = fmin(m->specular * (g - b) + b, .9), albedo = 0;
+    for (int k = 0; k < bands; k++) albedo += m->albedo[k] / bands;
+    double missing = m->model == IGI_GGX ? 0 : fmin(e - m->specular, albedo);
+    return albedo > 0 ? (albedo - missing) / albedo / (1 - e) : 1;
+}
+
+static igi_status add_texture(igi_glb *g, const igi_image *map, double scale, int *texture)
 {
     igi_status status = IGI_OK;
     size_t size, offset;
     int view;
     uint8_t *png = NULL;
-    IGI_TRY_GOTO(igi_srgb_png(g->ctx, map, g->materials->bands, 1, &png, &size));
+    IGI_TRY_GOTO(igi_srgb_png(g->ctx, map, g->materials->bands, (float)scale, &png, &size));
     IGI_TRY_GOTO(igi_glb_add_view(g, size, 0, &offset, &view));
     memcpy(g->bytes + offset, png, size);
     *texture = (int)json_array_size(g->textures);
@@ -63,16 +78,18 @@ static igi_status add_material(igi_glb *g, size_t region, bool textured)
     const igi_material *m = &g->materials->materials[region];
     int bands = g->materials->bands, texture = 0;
     bool glossy = m->model != IGI_LAMBERT;
-    double black[IGI_MAX_BANDS] = {0}, flat[IGI_MAX_BANDS];
+    double black[IGI_MAX_BANDS] = {0}, flat[IGI_MAX_BANDS], scale = base_scale(m, bands);
     for (int b = 0; b < IGI_MAX_BANDS; b++) flat[b] = m->specular;
     const double *base = m->emitter ? black : m->albedo;
+    double bright[IGI_MAX_BANDS];
+    for (int b = 0; b < bands; b++) bright[b] = fmin(1, scale * base[b]);
     const double *lobe = m->specular_is_rgb ? m->specular_rgb : flat;
-    json_t *factor = textured ? json_pack("[f,f,f]", 1.0, 1.0, 1.0) : colour(base, bands, 1);
+    json_t *factor = textured ? json_pack("[f,f,f]", 1.0, 1.0, 1.0) : colour(bright, bands, 1);
     json_array_append_new(factor, json_real(1));
     json_t *pbr = json_pack("{s:o, s:f, s:f}", "baseColorFactor", factor, "metallicFactor", 0.0,
                             "roughnessFactor", glossy ? sqrt(m->alpha) : 1.0);
     if (textured) {
-        igi_status status = add_texture(g, m->map, &texture);
+        igi_status status = add_texture(g, m->map, scale, &texture);
         json_object_set_new(pbr, "baseColorTexture", json_pack("{s:i}", "index", texture));
         if (status != IGI_OK) json_decref(pbr);
         IGI_TRY(status);
@@ -84,6 +101,11 @@ static igi_status add_material(igi_glb *g, size_t region, bool textured)
                           "pbrMetallicRoughness", pbr);
     int bad = m->emitter ? put_emission(g, region, o, extensions) : 0;
     bad |= json_object_set_new(o, "extensions", extensions);
+    if (glossy)
+        bad |= json_object_set_new(
+            o, "extras",
+            json_pack("{s:s, s:o, s:f, s:f}", "model", igi_model_name(m->model), "albedo",
+                      colour(base, bands, 1), "specular", m->specular, "alpha", m->alpha));
     bad |= json_array_append_new(g->material_list, o);
     return bad ? igi_glb_full(g) : IGI_OK;
 }
