@@ -63,6 +63,10 @@ typedef struct igi_relight_options {
                           * before the smoothing */
     bool png;      /* also NAME.png, sRGB; one exposure for all: the first frame's 95th
                           * percentile becomes .8 */
+    bool sigma;    /* also NAME.sigma.exr: one standard deviation of each pixel, from those that
+                          * the materials and the solved lights have; and sigma.json, for each picture
+                          * "pixel", of its pixels over its mean, and "picture", of that mean */
+    double *doubt; /* [2] if not NULL, and sigma: receives the largest "pixel" and "picture" */
     double *noise; /* if not NULL: receives the noise of the noisiest frame, the mean standard
                           * deviation of a pixel over the mean pixel; 0 when it is not known */
 } igi_relight_options;

@@ -19,7 +19,7 @@ typedef struct cli_values {
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
         *cache, *peer, *points, *basis, *convert, *charuco, *markers;
     double samples, seeds;
-    bool aov, png, preview, relight;                     /* relight; report */
+    bool aov, png, preview, relight, sigma;              /* relight; report */
     const char *to, *edits, *insert, *forward, *sensors; /* export; relight */
     double search, square, marker, full_well, read_noise, patch, rays, map_size, target_error,
         time_budget, tolerance, threads, seed;

@@ -33,7 +33,7 @@ static igi_status run(cli_session *s)
     const cli_values *values = &s->values;
     igi_output *output = NULL;
     igi_relight_options options;
-    double noise = 0;
+    double noise = 0, doubt[2] = {0, 0};
     if (!values->output || !(values->cameras || values->sensors)) {
         fprintf(stderr, values->output
                             ? "igi: relight: which views? give a file with --cameras (or "
@@ -60,6 +60,8 @@ static igi_status run(cli_session *s)
     options.layers = values->aov;
     options.png = values->png;
     options.noise = &noise;
+    options.sigma = values->sigma;
+    options.doubt = doubt;
     const char *folder = s->arguments[0];
     igi_status status = igi_output_begin(s->context, values->output, values->force, folder,
                                          &output);
@@ -71,6 +73,9 @@ static igi_status run(cli_session *s)
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && !values->quiet)
         printf("%s: written; noise %.3g %%\n", values->output, 100 * noise);
+    if (status == IGI_OK && values->sigma && !values->quiet)
+        printf("uncertain by %.3g %% a pixel, %.3g %% a picture as a whole (1 sigma, at most)\n",
+               100 * doubt[0], 100 * doubt[1]);
     igi_output_destroy(output);
     return status;
 }
@@ -91,6 +96,9 @@ const cli_command cli_relight = {
         "receives\n"
         "illuminance.csv: lux and W m^-2 at the points that the file lists, a line each: X Y Z "
         "and\n"
-        "the way that the sensor faces. --cameras may then be left out.",
+        "the way that the sensor faces. --cameras may then be left out. With --sigma,\n"
+        "NAME.sigma.exr is one standard deviation of each pixel, from those of the materials\n"
+        "and of solved lights, errors of one region being alike across the picture; sigma.json\n"
+        "has \"pixel\" (mean over pixels) and \"picture\" (of their mean), relative.",
     .run = run,
 };

@@ -122,6 +122,8 @@ static const option options[] = {
      "quick: radiosity for all but direct light and one bounce"},
     {"variance", 0, FLAG, CLI_RELIGHT, AT(variance), NULL, NULL, 0, 0,
      "write NAME.variance.exr too, the variance of each pixel's mean"},
+    {"sigma", 0, FLAG, CLI_RELIGHT, AT(sigma), NULL, NULL, 0, 0,
+     "write NAME.sigma.exr too: how uncertain each pixel is, because the materials are"},
     {"aov", 0, FLAG, CLI_RELIGHT, AT(aov), NULL, NULL, 0, 0,
      "write NAME.layers.exr too: albedo, direct and indirect light, variance"},
     {"png", 0, FLAG, CLI_RELIGHT, AT(png), NULL, NULL, 0, 0,

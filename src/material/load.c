@@ -336,9 +336,13 @@ static igi_status edit_region(const reader *r, const char *name, json_t *o, igi_
             return wrong(r, name, "albedo", "numbers from 0 to 1");
     if (present || map) {
         igi_image_destroy(m->map);
-        m->map = NULL;
+        igi_image_destroy(m->map_std);
+        m->map = m->map_std = NULL;
         m->textured = map != NULL;
+        memset(m->albedo_std, 0, sizeof m->albedo_std); /* what is given is known */
     }
+    if (json_object_get(o, "specular") || json_object_get(o, "specular_rgb")) m->specular_std = 0;
+    if (json_object_get(o, "alpha")) m->alpha_std = 0;
     if (map) IGI_TRY(read_map(r, map, 1, &m->map));
     if (m->model == IGI_LAMBERT && !json_object_get(o, "model") && json_object_get(o, "specular"))
         return wrong(r, name, "model", "given: it is lambert, which has no lobe");

@@ -16,7 +16,8 @@ typedef struct finish {
     float alpha;
     float albedo[IGI_MAX_BANDS], specular[IGI_MAX_BANDS];
     float specular_mean;
-    const igi_image *map; /* NULL: albedo holds */
+    const igi_image *map;           /* NULL: albedo holds; */
+    float map_scale[IGI_MAX_BANDS]; /* else the map times this */
     bool repeat;
 } finish;
 
@@ -33,6 +34,7 @@ struct igi_renderer {
     igi_cache *cache; /* NULL, or what paths end with at their edge number cache_edge */
     int cache_edge;
     igi_cache *expected; /* NULL, or about what paths find: roulette ends them with it */
+    bool is_variant;     /* scene, tracer and normals are another renderer's */
     bool
         mirrors; /* paths go on in the mirror direction alone, and lamps are found by shadow rays */
 };

@@ -5,12 +5,14 @@
 #include "image/srgb.h"
 #include "base/file.h"
 #include "material/result.h"
+#include "render/doubt.h"
 #include "render/layers.h"
 #include "render/smooth.h"
 
 #include <igi/image.h>
 #include <igi/scene.h>
 
+#include <jansson.h>
 #include <math.h>
 
 void igi_relight_options_init(igi_relight_options *options)
@@ -24,6 +26,8 @@ typedef struct relighting {
     const igi_relight_options *options;
     const char *output;
     const igi_renderer *renderer;
+    igi_doubt *doubt; /* NULL: nobody asks */
+    json_t *sigmas;   /* of each picture */
     int bands;
     float exposure; /* of PNG: the first frame's, for all; 0: not yet known */
 } relighting;
@@ -55,6 +59,25 @@ cleanup:
     return status;
 }
 
+static igi_status save_sigma(relighting *r, const igi_frame *frame, uint64_t key,
+                             const igi_image *picture)
+{
+    igi_image *sigma = NULL;
+    igi_picture_doubt found;
+    IGI_TRY(igi_doubt_picture(r->ctx, r->doubt, &frame->camera, key, picture, &sigma, &found));
+    igi_status status = save(r, sigma, frame->name, ".sigma.exr");
+    igi_image_destroy(sigma);
+    if (json_object_set_new(
+            r->sigmas, frame->name,
+            json_pack("{s:f, s:f}", "pixel", found.pixel, "picture", found.picture)))
+        return igi_fail(r->ctx, IGI_E_DATA, "%s: the image's name is not UTF-8; rename it",
+                        frame->name);
+    if (!r->options->doubt) return status;
+    r->options->doubt[0] = fmax(r->options->doubt[0], found.pixel);
+    r->options->doubt[1] = fmax(r->options->doubt[1], found.picture);
+    return status;
+}
+
 static igi_status render_frame(relighting *r, const igi_frame *frame, uint64_t key)
 {
     const igi_relight_options *o = r->options;
@@ -76,9 +99,36 @@ static igi_status render_frame(relighting *r, const igi_frame *frame, uint64_t k
     if (o->layers) IGI_TRY_GOTO(layered_frame_join(r->ctx, &f, &joined));
     if (o->layers) IGI_TRY_GOTO(save(r, joined, frame->name, ".layers.exr"));
     if (o->png) IGI_TRY_GOTO(save_png(r, &f, frame->name));
+    if (r->doubt) IGI_TRY_GOTO(save_sigma(r, frame, key, f.layers[LAYER_PICTURE]));
 cleanup:
     igi_image_destroy(joined);
     layered_frame_clear(&f);
+    return status;
+}
+
+/* All pictures, and how uncertain they are. */
+static igi_status render_frames(relighting *r, const igi_materials *materials,
+                                const igi_frame *frames, size_t count)
+{
+    igi_status status = IGI_OK;
+    char *path = NULL;
+    bool own_lights = !r->options->lights;
+    if (r->options->sigma) {
+        if (r->options->doubt) r->options->doubt[0] = r->options->doubt[1] = 0;
+        igi_stage_begin(r->ctx, "doubt");
+        IGI_TRY_GOTO(igi_doubt_create(r->ctx, r->renderer, materials,
+                                      own_lights ? materials->light_std : NULL, &r->doubt));
+        r->sigmas = json_object();
+    }
+    igi_stage_begin(r->ctx, "rendering");
+    for (size_t i = 0; i < count; i++) IGI_TRY_GOTO(render_frame(r, &frames[i], i));
+    if (!r->sigmas) goto cleanup;
+    IGI_TRY_GOTO(igi_strprintf(r->ctx, &path, "%s/sigma.json", r->output));
+    status = igi_file_save_json(r->ctx, path, r->sigmas, 4);
+cleanup:
+    igi_doubt_destroy(r->doubt);
+    json_decref(r->sigmas);
+    igi_free(path);
     return status;
 }
 
@@ -139,10 +189,13 @@ igi_status igi_relight(igi_context *ctx, const char *folder, const char *cameras
         igi_stage_begin(ctx, "radiosity");
         IGI_TRY_GOTO(igi_renderer_expect(ctx, renderer, paths_of(frames, count, options)));
     }
-    igi_stage_begin(ctx, "rendering");
     if (options->noise) *options->noise = 0;
-    relighting r = {ctx, &adjusted, output, renderer, scene->bands, 0};
-    for (size_t i = 0; i < count; i++) IGI_TRY_GOTO(render_frame(&r, &frames[i], i));
+    relighting r = {.ctx = ctx,
+                    .options = &adjusted,
+                    .output = output,
+                    .renderer = renderer,
+                    .bands = scene->bands};
+    IGI_TRY_GOTO(render_frames(&r, materials, frames, count));
     if (options->sensors) IGI_TRY_GOTO(measure(&r));
 cleanup:
     igi_stage_begin(ctx, NULL);

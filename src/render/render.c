@@ -48,6 +48,7 @@ static igi_status prepare(igi_context *ctx, const igi_renderer *r, const igi_mat
     f->repeat = where->uvs_wrap;
     for (int b = 0; b < r->bands; b++) {
         f->albedo[b] = (float)m->albedo[b];
+        f->map_scale[b] = 1;
         f->specular[b] = (float)(m->specular_is_rgb ? m->specular_rgb[b] : m->specular);
         f->specular_mean += f->specular[b] / (float)r->bands;
     }
@@ -83,15 +84,39 @@ cleanup:
     return status;
 }
 
+igi_status igi_renderer_vary(igi_context *ctx, const igi_renderer *base, const igi_light *lights,
+                             igi_renderer **renderer)
+{
+    igi_status status = IGI_OK;
+    size_t regions = base->scene->region_count, light_count = igi_lighting_count(base->lighting);
+    IGI_TRY(IGI_ALLOC(ctx, 1, renderer));
+    igi_renderer *r = *renderer;
+    *r = (igi_renderer){.scene = base->scene,
+                        .bands = base->bands,
+                        .normals = base->normals,
+                        .tracer = base->tracer,
+                        .lights = lights,
+                        .is_variant = true};
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &r->finishes));
+    memcpy(r->finishes, base->finishes, regions * sizeof *r->finishes);
+    IGI_TRY_GOTO(igi_lighting_create(ctx, r->scene, lights, light_count, &r->lighting));
+cleanup:
+    if (status != IGI_OK) {
+        igi_renderer_destroy(r);
+        *renderer = NULL;
+    }
+    return status;
+}
+
 void igi_renderer_destroy(igi_renderer *renderer)
 {
     if (!renderer) return;
     igi_cache_destroy(renderer->cache);
     igi_cache_destroy(renderer->expected);
-    igi_tracer_destroy(renderer->tracer);
     igi_lighting_destroy(renderer->lighting);
     igi_free(renderer->finishes);
-    igi_free(renderer->normals);
+    if (!renderer->is_variant) igi_tracer_destroy(renderer->tracer);
+    if (!renderer->is_variant) igi_free(renderer->normals);
     igi_free(renderer);
 }
 

@@ -16,6 +16,10 @@ IGI_MUST_USE igi_status igi_renderer_create(igi_context *ctx, const igi_scene *s
                                             const igi_materials *materials, const igi_light *lights,
                                             size_t light_count, igi_renderer **renderer);
 void igi_renderer_destroy(igi_renderer *renderer);
+/* The same scene under lights of other values, as many and of the same kinds, with finishes of its
+ * own. The base must outlive it. */
+IGI_MUST_USE igi_status igi_renderer_vary(igi_context *ctx, const igi_renderer *base,
+                                          const igi_light *lights, igi_renderer **renderer);
 
 /* Solves the radiosity of the scene; from then on paths end with it where they meet the second
  * surface, and pictures are quick: their light is exact up to one bounce. */

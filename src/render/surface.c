@@ -26,7 +26,7 @@ static void look_up(const finish *f, int bands, const float uv[2], float *albedo
         float weight = (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy);
         const float *texel = map->samples + ((size_t)row * (size_t)map->width + (size_t)column) *
                                                 (size_t)map->channels;
-        for (int b = 0; b < bands; b++) albedo[b] += weight * texel[b];
+        for (int b = 0; b < bands; b++) albedo[b] += weight * f->map_scale[b] * texel[b];
     }
 }
 

@@ -114,9 +114,12 @@ void igi_page_evidence(const igi_page *page)
     if (json_object_size(regions) == 0) return;
     fputs(
         "<section><h2>Evidence</h2><p class=\"soft\">A lobe is given only where the photographs "
-        "ask for it. Tried: what a model gains over no lobe, as &minus;2&thinsp;ln likelihood for "
-        "each residual, with more pixels in each look. Parameters are the region's numbers apart "
-        "from its texels.</p><div class=\"card scroll\"><table><thead><tr><th class=\"l\">region"
+        "ask for it. Tried: what each model gains over none, as &minus;2&thinsp;ln likelihood for "
+        "each residual (a residual: one pixel's difference from the model); glance, search and "
+        "refine look with ever more pixels. Parameters: an albedo for each band, and two of a "
+        "lobe; "
+        "texels come on top where the region is textured.</p><div class=\"card "
+        "scroll\"><table><thead><tr><th class=\"l\">region"
         "</th><th class=\"l\">given</th><th class=\"l\">tried</th><th class=\"l\">why</th>"
         "<th>parameters</th><th>texels</th></tr></thead><tbody>\n",
         f);

@@ -80,12 +80,16 @@ void igi_page_table(const igi_page *page)
     static const char *const rgb[] = {"&rho; red", "green", "blue"};
     bool lobes = false;
     for (size_t i = 0; i < all->count; i++) lobes |= all->materials[i].model != IGI_LAMBERT;
-    fputs("<section><h2>Materials</h2><p class=\"soft\">Diffuse albedo &rho; of each region, the "
-          "mean "
-          "over what the photographs determine. 1&thinsp;&sigma; is the largest of the bands, "
-          "relative to &rho;. Click a heading to sort.</p>"
-          "<div class=\"card scroll\"><table><thead><tr><th></th>",
-          f);
+    fputs(
+        "<section><h2>Materials</h2><p class=\"soft\">&rho; is the diffuse albedo, the share of "
+        "the light of a band that a surface sends back evenly in all directions, from 0 to 1; the "
+        "mean over what the photographs determine. 1&thinsp;&sigma; is its standard deviation, "
+        "relative, the largest of the bands. Model: lambert is diffuse alone; ward, ggx and phong "
+        "have a lobe too, which sends &rho;<sub>s</sub> about the mirror direction, the wider the "
+        "larger &alpha;. Observed: the share of the area that a photograph shows; views: how many "
+        "photographs do. Click a heading to sort.</p>"
+        "<div class=\"card scroll\"><table><thead><tr><th></th>",
+        f);
     print_heading(f, "region", true);
     print_heading(f, "model", true);
     for (int b = 0; b < all->bands; b++) {

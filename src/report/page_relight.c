@@ -113,7 +113,7 @@ igi_status igi_page_relight(const igi_page *page)
         "recovered lights, a colour multiplies.</p><div class=\"card\">",
         json_number_value(json_object_get(page->relight, "exposure")));
     print_controls(page, lamps);
-    fputs("</div><div class=\"grid\" style=\"margin-top:1rem\">", f);
+    fputs("</div><div class=\"wide\">", f);
     for (size_t v = 0; v < json_array_size(views); v++) {
         const json_t *view = json_array_get(views, v);
         const char *name = json_string_value(json_object_get(view, "frame"));

@@ -35,7 +35,8 @@ const char *const igi_page_style[] = {
     "tbody tr:last-child td{border-bottom:0}",
     "th{font-weight:600;color:var(--soft);font-size:.8rem;vertical-align:bottom}",
     "th.l,td.l{text-align:left}",
-    ".note{white-space:normal;max-width:22rem;color:var(--warn);font-size:.84rem;line-height:1.35}",
+    ".note{white-space:normal;min-width:15rem;max-width:22rem;color:var(--warn);font-size:.84rem;"
+    "line-height:1.35}",
     "th button{all:unset;cursor:pointer;color:inherit}",
     "th button:focus-visible{outline:2px solid var(--accent);outline-offset:3px;border-radius:2px}",
     "th[aria-sort=ascending] button::after{content:' \\2191'}",
@@ -52,6 +53,8 @@ const char *const igi_page_style[] = {
     ".warnings ul{margin:.2rem 0 0;padding-left:1.1rem}",
     ".warnings b{color:var(--warn)}",
     ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(20rem,1fr));gap:1rem}",
+    "div.wide{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,28rem),1fr));",
+    "gap:1rem;margin-top:1rem}",
     ".pair{display:grid;grid-template-columns:1fr 1fr;gap:.8rem}",
     "td.wide{white-space:normal;min-width:15rem;max-width:26rem;line-height:1.4;font-size:.86rem}",
     ".balls{display:grid;grid-template-columns:repeat(auto-fill,minmax(13rem,1fr));gap:.75rem}",

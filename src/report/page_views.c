@@ -30,12 +30,12 @@ static igi_status print_view(const igi_page *page, const json_t *view)
     IGI_TRY(print_image(page, file, "prediction", "prediction"));
     fputs(
         "</div><input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"photograph or "
-        "prediction\"><figcaption>",
+        "prediction\"><figcaption>Photograph ",
         f);
     igi_page_text(page, frame);
     fputs("</figcaption></figure><figure>", f);
     IGI_TRY(print_image(page, file, "difference", "difference"));
-    fputs("<figcaption>difference; median size ", f);
+    fputs("<figcaption>Difference, prediction less photograph; its median size is ", f);
     igi_page_percent(page, json_is_number(median) ? json_number_value(median) : (double)NAN);
     fputs(", the photograph's own noise included</figcaption></figure></div>\n", f);
     return IGI_OK;

@@ -27,6 +27,29 @@ done
 grep -q '"noise reached": "0\.[0-9]' plain/manifest.json || fail "no noise in the manifest"
 plain=$(cat levels)
 holds '$1 == $4 && $1 > 20'
+# A truth has no error bars; a result has, and they come with the pictures.
+render sigma --sigma
+[ -s sigma/0002.sigma.exr ] || fail "no error bars"
+python3 - <<'PY' || fail "sigma.json is not as documented"
+import json
+s = json.load(open("sigma/sigma.json"))
+assert len(s) == 6 and max(s["0002"].values()) < 1e-6, s
+PY
+cp -r room doubtful
+python3 - <<'PY'
+import json, pathlib
+p = pathlib.Path("doubtful/truth/truth.json")
+t = json.loads(p.read_text())
+for m in t["regions"].values():
+    m["albedo_std"] = [x / 20 for x in m["albedo"]]
+p.write_text(json.dumps(t))
+PY
+expect 0 "" "$igi" relight -q doubtful/truth --cameras room/transforms.json --samples 8 --sigma -o bars
+python3 - <<'PY' || fail "error bars of relit pictures: $(cat bars/sigma.json)"
+import json
+s = json.load(open("bars/sigma.json"))["0000"]
+assert 0.05 < s["pixel"] < 0.2 and 0.02 < s["picture"] <= s["pixel"], s
+PY
 render preview --preview
 holds '$4 > $1 - 3 && $4 < $1 + 3'
 
