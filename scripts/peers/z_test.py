@@ -5,7 +5,8 @@
     python3 scripts/peers/z_test.py SCENE [--frame N] [--samples N] [--igi build/release/igi]
 
 SCENE is a folder with truth (as `igi synth` writes it) whose materials are lambert and whose lights are
-area, point, spot or directional: what Mitsuba has under the same definition. Needs mitsuba, numpy and
+area, point, spot or directional: what Mitsuba has under the same definition (light_kinds.py goes
+through all kinds). Needs mitsuba, numpy and
 OpenEXR from PyPI. Both sides give a mean and the variance of that mean; a pixel passes when the
 difference, in units of its standard deviation, is below the two-sided threshold of significance
 .01 after Sidak's correction for the number of tests. Exit status 1 when fewer than 99.75 % pass.
@@ -88,7 +89,8 @@ def light_plugin(mi, light):
     sys.exit(f"z_test: lights of type {light['type']} are not compared")
 
 
-def mitsuba_scene(mi, folder, frame, sampler="independent"):
+def mitsuba_scene(mi, folder, frame, sampler="independent", lights=None):
+    """`lights`: emitters that stand for those of the scene without a surface."""
     with open(os.path.join(folder, "truth", "truth.json"), encoding="utf-8") as file:
         truth = json.load(file)
     with open(os.path.join(folder, "transforms.json"), encoding="utf-8") as file:
@@ -114,9 +116,10 @@ def mitsuba_scene(mi, folder, frame, sampler="independent"):
             plugins["bsdf"] = {"type": "twosided",
                                "bsdf": {"type": "diffuse", "reflectance": reflectance}}
         scene["mesh_" + name] = load_mesh(mi, name, positions, uvs, faces, plugins)
-    for number, light in enumerate(truth["lights"]):
-        if light["type"] != "area":
-            scene[f"light_{number}"] = light_plugin(mi, light)
+    if lights is None:
+        lights = [light_plugin(mi, light) for light in truth["lights"] if light["type"] != "area"]
+    for number, light in enumerate(lights):
+        scene[f"light_{number}"] = light
     matrix = np.array(cameras["frames"][frame]["transform_matrix"])
     flip = np.diag([-1.0, 1.0, -1.0, 1.0])  # OpenGL looks along -Z, Mitsuba along +Z with +X left
     fov = 2 * math.degrees(math.atan(cameras["w"] / (2 * cameras["fl_x"])))
@@ -151,6 +154,20 @@ def render_igi(program, folder, frame, samples, threads=0, seed=1):
         return read_exr(f"{out}/{name}.exr"), read_exr(f"{out}/{name}.variance.exr")
 
 
+def judge(ours, our_variance, theirs, their_variance):
+    variance = our_variance + their_variance
+    difference = ours - theirs
+    exact = variance <= 0
+    z = np.where(exact, 0, difference / np.sqrt(np.where(exact, 1, variance)))
+    exact_ok = np.abs(difference) <= 1e-4 * np.maximum(np.abs(theirs), 1e-6)
+    significance = 1 - (1 - .01) ** (1 / z.size)
+    threshold = statistics.NormalDist().inv_cdf(1 - significance / 2)
+    passed = np.where(exact, exact_ok, np.abs(z) < threshold).all(-1)
+    inner = z[~exact]
+    return {"passed": passed.mean(), "pixels": passed.size, "threshold": threshold,
+            "mean": inner.mean(), "deviation": inner.std(), "ratio": ours.mean() / theirs.mean()}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene")
@@ -168,20 +185,11 @@ def main():
     ours, our_variance = render_igi(options.igi, options.scene, options.frame, options.samples)
     scene = mitsuba_scene(mi, options.scene, options.frame)
     theirs, their_variance = render_mitsuba(mi, scene, options.samples)
-    variance = our_variance + their_variance
-    difference = ours - theirs
-    exact = variance <= 0
-    z = np.where(exact, 0, difference / np.sqrt(np.where(exact, 1, variance)))
-    exact_ok = np.abs(difference) <= 1e-4 * np.maximum(np.abs(theirs), 1e-6)
-    significance = 1 - (1 - .01) ** (1 / z.size)
-    threshold = statistics.NormalDist().inv_cdf(1 - significance / 2)
-    passed = np.where(exact, exact_ok, np.abs(z) < threshold).all(-1)
-    inner = z[~exact]
-    print(f"{options.scene} frame {options.frame}: {100 * passed.mean():.3f} % of {passed.size} "
-          f"pixels pass |z| < {threshold:.2f}; z has mean {inner.mean():+.3f}, "
-          f"standard deviation {inner.std():.3f}; mean ratio "
-          f"{ours.mean() / theirs.mean():.5f}")
-    return 0 if passed.mean() >= .9975 else 1
+    row = judge(ours, our_variance, theirs, their_variance)
+    print(f"{options.scene} frame {options.frame}: {100 * row['passed']:.3f} % of {row['pixels']} "
+          f"pixels pass |z| < {row['threshold']:.2f}; z has mean {row['mean']:+.3f}, "
+          f"standard deviation {row['deviation']:.3f}; mean ratio {row['ratio']:.5f}")
+    return 0 if row["passed"] >= .9975 else 1
 
 
 if __name__ == "__main__":
