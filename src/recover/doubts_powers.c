@@ -223,7 +223,7 @@ static igi_status say(igi_context *ctx, const survey *s, size_t k, double scale,
                           "%.3g +- %.2g times the power that is stated: check its power and its "
                           "place, and that no light is missing; or leave its power out to have it "
                           "solved",
-                          s->p->light_of[s->lights[k]], 1 + scale, error));
+                          s->p->light_of[s->lights[k]], fmax(0, 1 + scale), error));
     return igi_doubt_say(ctx, m, sentence);
 }
 

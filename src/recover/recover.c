@@ -136,7 +136,7 @@ static igi_status set_bound(igi_context *ctx, const igi_lobe_doubt *doubt, int b
     return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
-static void set_lobe(const igi_lobe_estimate *e, int bands, igi_material *m)
+static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int bands, igi_material *m)
 {
     m->model = e->model;
     m->specular = e->specular;
@@ -144,6 +144,14 @@ static void set_lobe(const igi_lobe_estimate *e, int bands, igi_material *m)
     m->alpha = e->alpha;
     m->alpha_std = e->alpha_std;
     for (int b = 0; b < bands; b++) m->specular_rgb[b] = e->specular;
+    if (e->rival == IGI_LAMBERT) return IGI_OK;
+    char *sentence;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "its highlights have the shape of %s's lobe rather than %s's, which was "
+                          "asked for: specular and alpha are those of the wrong family; use "
+                          "--model auto",
+                          igi_model_name(e->rival), igi_model_name(e->model)));
+    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
 static igi_status make_materials(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
@@ -161,7 +169,8 @@ static igi_status make_materials(igi_context *ctx, const igi_problem *p, const i
     for (size_t r = 0; s && r < m->count; r++) {
         igi_material *one = &m->materials[r];
         if (one->emitter) continue;
-        if (s->estimates[r].model != IGI_LAMBERT) set_lobe(&s->estimates[r], p->bands, one);
+        if (s->estimates[r].model != IGI_LAMBERT)
+            IGI_TRY_GOTO(set_lobe(ctx, &s->estimates[r], p->bands, one));
         else if (s->doubts && one->determined)
             IGI_TRY_GOTO(set_bound(ctx, &s->doubts[r], p->bands, one));
     }

@@ -14,6 +14,7 @@
 
 typedef struct igi_lobe_estimate {
     igi_model model;
+    igi_model rival; /* that fits better, though the user asked for `model`; IGI_LAMBERT: none */
     double specular, specular_std;
     double alpha, alpha_std;
     double noise_std; /* of specular, were independent noise all that there is */

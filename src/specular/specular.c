@@ -144,17 +144,15 @@ static void take_lobe(igi_lobe *lobe, igi_lobe_estimate *e, double share, int ba
     for (int b = 0; b < bands; b++) lobe->specular[b] = earned ? (float)e->specular : 0;
 }
 
-/* The models that the user allows: one, or all that can be told apart. */
-static size_t allowed_models(const igi_problem *p, igi_model models[3])
+/* All models that can be told apart; the one that the user asks for comes first. */
+static void order_models(const igi_problem *p, igi_model models[3])
 {
-    if (p->options->model != IGI_ANY_MODEL) {
-        models[0] = (igi_model)p->options->model;
-        return 1;
-    }
-    models[0] = IGI_WARD;
-    models[1] = IGI_GGX;
-    models[2] = IGI_PHONG;
-    return 3;
+    static const igi_model all[3] = {IGI_WARD, IGI_GGX, IGI_PHONG};
+    size_t n = 0;
+    int asked = p->options->model;
+    if (asked != IGI_ANY_MODEL) models[n++] = (igi_model)asked;
+    for (size_t i = 0; i < 3; i++)
+        if ((int)all[i] != asked) models[n++] = all[i];
 }
 
 /* First a search everywhere with few pixels; what the cameras saw stands for what leaves. */
@@ -168,8 +166,9 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
                                      .lamp_tests = 4,
                                      .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
     igi_model models[3];
-    size_t allowed = allowed_models(p, models);
-    if (allowed > 2) allowed = 2; /* Phong's lobe is like enough to Ward's to be found by it */
+    order_models(p, models);
+    /* Phong's lobe is like enough to Ward's to be found by it. */
+    size_t allowed = p->options->model == IGI_ANY_MODEL ? 2 : 1;
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
         if (p->observations->scarce[r]) continue; /* its neighbours' light would pass for a lobe */
@@ -195,7 +194,8 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
     igi_model models[3];
-    size_t allowed = allowed_models(p, models);
+    bool asked = p->options->model != IGI_ANY_MODEL;
+    order_models(p, models);
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         float a = s->specular->lobes[r].alpha;
@@ -205,11 +205,14 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
                                          .lamp_samples = 64,
                                          .lamp_tests = 8,
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
-        if (allowed > 1) IGI_TRY(fit_region(ctx, s, r, options, models, allowed));
-        const igi_model chosen = s->specular->estimates[r].model;
+        igi_lobe_estimate *e = &s->specular->estimates[r], before = *e;
+        IGI_TRY(fit_region(ctx, s, r, options, models, 3));
+        const igi_model best = e->model, chosen = asked ? models[0] : best;
+        if (asked) *e = before;
         options.pixels = 4000;
         options.lamp_samples = 96;
         IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
+        e->rival = best != chosen ? best : IGI_LAMBERT;
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], KEEP_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }

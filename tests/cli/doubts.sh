@@ -21,6 +21,14 @@ END
 sed 's/"width": 96, "height": 72, "samples": 24/"width": 64, "height": 48, "samples": 10/
     s/"model": "ward", //; s/"specular": [0-9.]*, "alpha": [0-9.]* /"model": "lambert" /' \
     "$sweeps/rooms/room.json" >room.json
+sed 's/"width": 96, "height": 72, "samples": 24/"width": 64, "height": 48, "samples": 10/
+    s/"model": "ward", "specular": 0.1, "alpha": 0.15/"model": "phong", "specular": 0.3, "alpha": 0.15/' \
+    "$sweeps/rooms/room.json" >phong.json
+expect 0 "" "$igi" synth -q phong.json -o phong
+expect 0 "" "$igi" recover -q phong -o asked --model ward
+grep -q "shape of phong's lobe rather than ward's" asked/materials.json || fail "a family that does not fit"
+expect 0 "" "$igi" recover -q phong -o free
+if grep -q "which was asked for" free/materials.json; then fail "nobody asked for a family"; fi
 expect 0 "" "$igi" chart stability -q --seeds 1 -o out --sweeps power.json,crack.json,outline.json
 
 # says SWEEP SEVERITY PATTERN: the first warning that is new.
