@@ -25,6 +25,7 @@
 /* Off by more than so many spreads of the region, and by more than this. */
 #define CONTRADICTION_SIGMAS 6.0
 #define CONTRADICTION 0.3
+#define DARK 1.1   /* ln 3 */
 #define AGREE 0.65 /* of the others must agree with each other */
 
 typedef struct session {
@@ -212,22 +213,38 @@ static double median_over_frames(session *s, const igi_agreement *a, size_t fiel
     return igi_median(s->values, n);
 }
 
+/* Of the places in s->voices[regions]: how many lie outside the region that has the most. */
+static double beyond_one_region(const session *s)
+{
+    double all = 0, most = 0;
+    for (size_t r = 0; r < s->regions; r++) {
+        all += s->voices[r];
+        most = fmax(most, s->voices[r]);
+    }
+    return all - most;
+}
+
 static void judge(session *s, igi_agreement *a)
 {
     for (size_t f = 0; f < s->frames; f++) {
         igi_frame_agreement *out = &a->frames[f];
-        double against = 0, darker = 0;
+        double against = 0, darker = 0, *dark = s->voices;
+        for (size_t r = 0; r < s->regions; r++) dark[r] = 0;
         for (size_t k = s->by_frame[f]; k < s->by_frame[f + 1]; k++) {
-            double off = contradiction(s, &s->g.glimpses[s->of_frame[k]]);
+            const igi_glimpse *glimpse = &s->g.glimpses[s->of_frame[k]];
+            double off = contradiction(s, glimpse);
             against += off != 0;
             darker += off < 0;
+            dark[s->g.region[glimpse->place]] += off < -DARK;
         }
         out->gain = exp(s->gain[f]);
         out->contradicts = against / fmax((double)out->places, 1);
         out->darker = darker / fmax((double)out->places, 1);
+        out->dark = beyond_one_region(s) / fmax((double)out->places, 1);
     }
     a->typical_share = median_over_frames(s, a, offsetof(igi_frame_agreement, contradicts));
     a->typical_darker = median_over_frames(s, a, offsetof(igi_frame_agreement, darker));
+    a->typical_dark = median_over_frames(s, a, offsetof(igi_frame_agreement, dark));
 }
 
 igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,

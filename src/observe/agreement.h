@@ -14,14 +14,15 @@ typedef struct igi_frame_agreement {
     double gain;        /* against the others, median over places; 1 without places */
     double gain_error;  /* one standard deviation */
     double contradicts; /* share of those places at which it is alone with what it shows, */
-    double darker;      /* and of that the part where it shows less light than the others */
+    double darker;      /* and of that the part where it shows less light than the others, */
+    double dark;        /* or less than a third, and not in one region alone */
 } igi_frame_agreement;
 
 typedef struct igi_agreement {
     size_t frame_count;
     igi_frame_agreement *frames;
     double gain_spread; /* robust standard deviation of ln gain over the photographs */
-    double typical_share, typical_darker; /* medians of `contradicts` and `darker` */
+    double typical_share, typical_darker, typical_dark; /* medians of these three */
 } igi_agreement;
 
 IGI_MUST_USE igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,

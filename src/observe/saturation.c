@@ -13,29 +13,47 @@
 #define FEWEST_OF_ONE 16
 #define CLIPPED_SHARE 5e-4
 
+typedef struct scan {
+    const igi_scene *scene;
+    igi_observations *o;
+    size_t (*counts)[2]; /* [regions] scratch */
+} scan;
+
 static const igi_region *region_of(const igi_scene *scene, const igi_observations *o, size_t i)
 {
     return &scene->regions[scene->mesh.regions[igi_surface_triangle(o->surface[i])]];
 }
 
-/* The largest value of each band on surfaces among observations [first, end), INFINITY where fewer
- * than so many pixels share it, or nearly all do: then the light is even. */
-static void find_tops(const igi_scene *scene, const igi_observations *o, const size_t range[2],
-                      size_t fewest, float tops[IGI_MAX_BANDS])
+/* counts[regions][2]: pixels of each region, and those at the top of band b. */
+static void count_tops(const scan *s, const size_t range[2], size_t b, float top)
 {
-    size_t shared[IGI_MAX_BANDS] = {0}, bands = (size_t)o->bands;
-    for (size_t b = 0; b < bands; b++) tops[b] = 0;
+    memset(s->counts, 0, s->scene->region_count * sizeof *s->counts);
     for (size_t i = range[0]; i < range[1]; i++) {
-        if (region_of(scene, o, i)->emitter) continue;
-        for (size_t b = 0; b < bands; b++) {
-            float x = o->radiance[i * bands + b];
-            if (x > tops[b]) shared[b] = 0;
-            if (x >= tops[b] && x > 0) shared[b]++;
-            tops[b] = fmaxf(tops[b], x);
-        }
+        size_t *count = s->counts[region_of(s->scene, s->o, i) - s->scene->regions];
+        count[0]++;
+        count[1] += s->o->radiance[i * (size_t)s->o->bands + b] >= top;
     }
-    for (size_t b = 0; b < bands; b++)
-        if (shared[b] < fewest || 2 * shared[b] > range[1] - range[0]) tops[b] = INFINITY;
+}
+
+/* The largest value of each band on surfaces among observations [first, end), INFINITY where fewer
+ * than so many pixels share it; nor do those of a region count of which most do: its light is even, and
+ * the photograph without noise. */
+static void find_tops(const scan *s, const size_t range[2], size_t fewest,
+                      float tops[IGI_MAX_BANDS])
+{
+    size_t bands = (size_t)s->o->bands;
+    for (size_t b = 0; b < bands; b++) {
+        size_t shared = 0;
+        tops[b] = 0;
+        for (size_t i = range[0]; i < range[1]; i++)
+            if (!region_of(s->scene, s->o, i)->emitter)
+                tops[b] = fmaxf(tops[b], s->o->radiance[i * bands + b]);
+        if (tops[b] > 0) count_tops(s, range, b, tops[b]);
+        for (size_t r = 0; tops[b] > 0 && r < s->scene->region_count; r++)
+            if (!s->scene->regions[r].emitter && 2 * s->counts[r][1] <= s->counts[r][0])
+                shared += s->counts[r][1];
+        if (shared < fewest) tops[b] = INFINITY;
+    }
 }
 
 static bool is_clipped(const igi_observations *o, size_t i, const float tops[IGI_MAX_BANDS])
@@ -55,28 +73,27 @@ static void move(igi_observations *o, size_t from, size_t to)
 }
 
 /* The lower of the limit that all photographs share and that of one, whose exposure may differ. */
-static void lower_tops(const igi_scene *scene, const igi_observations *o, const size_t range[2],
-                       float tops[IGI_MAX_BANDS])
+static void lower_tops(const scan *s, const size_t range[2], float tops[IGI_MAX_BANDS])
 {
     float own[IGI_MAX_BANDS];
     size_t fewest = (size_t)(CLIPPED_SHARE * (double)(range[1] - range[0]));
-    find_tops(scene, o, range, fewest > FEWEST_OF_ONE ? fewest : FEWEST_OF_ONE, own);
-    for (int b = 0; b < o->bands; b++) tops[b] = fminf(tops[b], own[b]);
+    find_tops(s, range, fewest > FEWEST_OF_ONE ? fewest : FEWEST_OF_ONE, own);
+    for (int b = 0; b < s->o->bands; b++) tops[b] = fminf(tops[b], own[b]);
 }
 
 /* Leaves them out, but for lamps, of which a lower bound is better than nothing. */
-static size_t leave_out(const igi_scene *scene, igi_observations *o,
-                        const float common[IGI_MAX_BANDS], const igi_region **lamp)
+static size_t leave_out(const scan *s, const float common[IGI_MAX_BANDS], const igi_region **lamp)
 {
+    igi_observations *o = s->o;
     size_t kept = 0, next = 0;
     for (size_t f = 0; f < o->frame_count; f++) {
         size_t end = o->frame_begin[f + 1], first = kept, seen = end - next;
         float tops[IGI_MAX_BANDS];
         memcpy(tops, common, sizeof tops);
-        lower_tops(scene, o, (const size_t[2]){next, end}, tops);
+        lower_tops(s, (const size_t[2]){next, end}, tops);
         for (; next < end; next++) {
             bool clipped = is_clipped(o, next, tops);
-            const igi_region *region = region_of(scene, o, next);
+            const igi_region *region = region_of(s->scene, o, next);
             if (clipped && region->emitter) *lamp = region;
             if (clipped && !region->emitter) continue;
             move(o, next, kept++);
@@ -93,8 +110,11 @@ igi_status igi_observations_unclip(igi_context *ctx, const igi_scene *scene, igi
 {
     float tops[IGI_MAX_BANDS] = {0};
     const igi_region *lamp = NULL;
-    find_tops(scene, o, (const size_t[2]){0, o->count}, FEWEST_CLIPPED, tops);
-    size_t left_out = leave_out(scene, o, tops, &lamp);
+    scan s = {.scene = scene, .o = o};
+    IGI_TRY(IGI_ALLOC(ctx, scene->region_count, &s.counts));
+    find_tops(&s, (const size_t[2]){0, o->count}, FEWEST_CLIPPED, tops);
+    size_t left_out = leave_out(&s, tops, &lamp);
+    igi_free(s.counts);
     if (left_out == 0) return IGI_OK;
     char *sentence;
     IGI_TRY(igi_strprintf(

@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include "observe/observations.h"
+#include "observe/saturation.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -75,4 +76,46 @@ static void saturated_pixels_are_left_out(void)
     if (system(command) != 0) printf("left behind: %s\n", folder);
 }
 
-TEST_MAIN({"saturated_pixels_are_left_out", saturated_pixels_are_left_out})
+/* A floor, and walls, of 64 pixels each: evenly lit without noise, `spots` of the floor cut off. */
+static size_t left_out_of(size_t spots, size_t *warnings)
+{
+    enum { EACH = 64 };
+    igi_context *ctx = test_context(1);
+    igi_region regions[2] = {{.name = (char *)(uintptr_t) "floor"},
+                             {.name = (char *)(uintptr_t) "wall"}};
+    uint32_t of_triangle[2] = {0, 1}, surface[2 * EACH], pixel[2 * EACH];
+    float uv[4 * EACH] = {0}, radiance[2 * EACH];
+    size_t begin[2] = {0, 2 * EACH};
+    igi_scene scene = {.bands = 1, .region_count = 2, .regions = regions};
+    scene.mesh.regions = of_triangle;
+    igi_observations o = {.bands = 1,
+                          .count = 2 * EACH,
+                          .frame_count = 1,
+                          .frame_begin = begin,
+                          .surface = surface,
+                          .uv = uv,
+                          .pixel = pixel,
+                          .radiance = radiance};
+    for (uint32_t i = 0; i < 2 * EACH; i++) {
+        surface[i] = i % 2 << 1;
+        pixel[i] = i;
+        radiance[i] = i % 2 ? .3f : .5f;
+        if (i % 2 == 0 && i / 2 < spots) radiance[i] = .9f;
+    }
+    CHECK_OK(ctx, igi_observations_unclip(ctx, &scene, &o));
+    *warnings = o.warning_count;
+    for (size_t i = 0; i < o.warning_count; i++) igi_free(o.warnings[i]);
+    igi_free(o.warnings);
+    igi_context_destroy(ctx);
+    return 2 * EACH - o.count;
+}
+
+static void even_light_is_not_saturated(void)
+{
+    size_t warnings;
+    CHECK(left_out_of(0, &warnings) == 0 && warnings == 0);
+    CHECK(left_out_of(20, &warnings) == 20 && warnings == 1);
+}
+
+TEST_MAIN({"saturated_pixels_are_left_out", saturated_pixels_are_left_out},
+          {"even_light_is_not_saturated", even_light_is_not_saturated})
