@@ -10,9 +10,9 @@
 
 static const chart_perturbation *find_kind(const char *name)
 {
-    static const chart_perturbation *const tables[] = {chart_perturb_photos,  chart_perturb_pixels,
-                                                       chart_perturb_cameras, chart_perturb_mesh,
-                                                       chart_perturb_regions, chart_perturb_lights};
+    static const chart_perturbation *const tables[] = {
+        chart_perturb_photos,  chart_perturb_pixels, chart_perturb_cameras, chart_perturb_mesh,
+        chart_perturb_regions, chart_perturb_lights, chart_perturb_glass};
     for (size_t t = 0; t < COUNT(tables); t++)
         for (const chart_perturbation *p = tables[t]; p->name; p++)
             if (strcmp(p->name, name) == 0) return p;

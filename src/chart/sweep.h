@@ -43,7 +43,8 @@ typedef struct chart_perturbation {
 
 /* The tables, each ending in a name of NULL. */
 extern const chart_perturbation chart_perturb_photos[], chart_perturb_pixels[],
-    chart_perturb_cameras[], chart_perturb_mesh[], chart_perturb_regions[], chart_perturb_lights[];
+    chart_perturb_cameras[], chart_perturb_mesh[], chart_perturb_regions[], chart_perturb_lights[],
+    chart_perturb_glass[];
 
 /* datasets-synthetic/sweeps/NAME.json. */
 typedef struct chart_sweep {
