@@ -87,6 +87,14 @@ IGI_API IGI_MUST_USE igi_status igi_calibrate_flat(igi_context *context, const c
 IGI_API IGI_MUST_USE igi_status igi_calibrate_overlap(igi_context *context, const igi_scene *scene,
                                                       igi_calibration **calibration);
 
+/* Distortion and, where the f-number is known, vignetting from lensfun's database, by the camera, the
+ * focal length and the lens that the photograph's EXIF names; `lens` names it where EXIF does not (NULL).
+ * The focal length in pixels is the nominal one, and no standard deviations are known. *calibration as
+ * above. IGI_E_NO_ANSWER: the database does not know them. */
+IGI_API IGI_MUST_USE igi_status igi_calibrate_lensfun(igi_context *context, const char *path,
+                                                      const char *lens,
+                                                      igi_calibration **calibration);
+
 /* Fits V to `count` measured transmissions of any scale at places (x,y), pixels of an image of
  * the given size. IGI_E_NO_ANSWER when they do not determine it. */
 IGI_API IGI_MUST_USE igi_status igi_vignetting_fit(igi_context *context, const double (*places)[2],

@@ -17,14 +17,14 @@ typedef struct cli_values {
     const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
         *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
-        *cache, *peer, *points, *basis, *convert, *charuco, *markers;
+        *cache, *peer, *points, *basis, *convert, *charuco, *markers, *lens;
     double samples, seeds;
     bool aov, png, preview, relight, sigma;              /* relight; report */
     const char *to, *edits, *insert, *forward, *sensors; /* export; relight */
     double search, square, marker, full_well, read_noise, patch, rays, map_size, target_error,
         time_budget, tolerance, threads, seed;
     bool quiet, verbose, json, force, dry_run, help, no_align, no_refine, flat, variance, photos,
-        small, relit, together;
+        small, relit, together, lensfun;
 } cli_values;
 
 /* One bit a command, for the table of options. */

@@ -96,7 +96,7 @@ static igi_status convert(cli_session *s)
 {
     igi_calibration *calibration = NULL;
     if (s->argument_count || s->values.chessboard || s->values.charuco || s->values.flat ||
-        s->values.overlap)
+        s->values.lensfun || s->values.overlap)
         return usage("--convert takes one file; name no images and nothing to calibrate by");
     igi_status status = igi_calibration_import(s->context, s->values.convert, &calibration);
     if (status == IGI_OK)
@@ -114,9 +114,12 @@ static igi_status run(cli_session *s)
     if (!v->output) return usage("where to? give a file with -o, as calib/NAME.json");
     if (v->convert) return convert(s);
     const char *grid = v->chessboard ? v->chessboard : v->charuco;
-    if ((v->chessboard != NULL) + (v->charuco != NULL) + v->flat + (v->overlap != NULL) != 1)
-        return usage("what do the images show? --chessboard or --charuco COLUMNSxROWS, --flat or "
-                     "--overlap SCENE");
+    if ((v->chessboard != NULL) + (v->charuco != NULL) + v->flat + v->lensfun +
+            (v->overlap != NULL) !=
+        1)
+        return usage("what do the images show? --chessboard or --charuco COLUMNSxROWS, --flat, "
+                     "--overlap SCENE or --lensfun");
+    if (v->lensfun && count != 1) return usage("--lensfun takes one photograph, for its EXIF");
     if (!v->overlap != (count > 0))
         return usage(v->overlap ? "--overlap takes the scene's images; name no others"
                                 : "name the images");
@@ -129,16 +132,18 @@ static igi_status run(cli_session *s)
     igi_status status = load_present(s, &calibration);
     if (status == IGI_OK)
         status = v->overlap ? calibrate_overlap(s, &calibration)
-                 : v->flat  ? igi_calibrate_flat(s->context, s->arguments, count, &calibration)
-                            : igi_calibrate_chessboard(s->context, s->arguments, count, &board,
-                                                       &calibration);
+                 : v->lensfun
+                     ? igi_calibrate_lensfun(s->context, s->arguments[0], v->lens, &calibration)
+                 : v->flat ? igi_calibrate_flat(s->context, s->arguments, count, &calibration)
+                           : igi_calibrate_chessboard(s->context, s->arguments, count, &board,
+                                                      &calibration);
     if (status == IGI_OK) status = igi_calibration_save(s->context, calibration, v->output);
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && v->json) print_json(s, calibration);
     else if (status == IGI_OK && !v->quiet) {
         const igi_vignetting *g = &calibration->vignetting;
-        if (grid) print_lens(calibration);
-        else
+        if (calibration->has_lens && (grid || v->lensfun)) print_lens(calibration);
+        if (!grid && g->known)
             printf("V = 1 %+.4f r^2 %+.4f r^4 %+.4f r^6 about %.1f, %.1f; rms %.4f\n", g->k[0],
                    g->k[1], g->k[2], g->centre_x, g->centre_y, g->rms);
     }
@@ -154,11 +159,10 @@ const cli_command cli_calibrate = {
     .summary = "distortion and vignetting of a camera",
     .example = "igi calibrate --chessboard 9x6 --square .025 board-*.jpg -o calib/lens.json",
     .details =
-        "With --chessboard or --charuco: focal lengths, principal point and distortion; views "
-        "that\n"
-        "disagree with the others are left out. With --flat: vignetting, from evenly lit surfaces "
-        "that\n"
-        "fill the frame, into the same file. With --convert: the lens from and to the files of\n"
-        "OpenCV and COLMAP, by their endings.",
+        "With --chessboard or --charuco: focal lengths, principal point and distortion; views\n"
+        "that disagree with the others are left out. With --flat: vignetting, from evenly lit\n"
+        "surfaces that fill the frame, into the same file. With --lensfun: both from a database\n"
+        "of lenses. With --convert: the lens from and to the files of OpenCV and COLMAP, by\n"
+        "their endings.",
     .run = run,
 };

@@ -19,6 +19,7 @@ expect 2 'how large are the squares' "$igi" calibrate a.jpg -o x.json --chessboa
 expect 2 'how large are the markers' "$igi" calibrate a.jpg -o x.json --charuco 7x5 --square .03
 expect 2 'how large are the markers' "$igi" calibrate a.jpg -o x.json --charuco 7x5 --square .03 \
     --marker .04
+expect 2 'one photograph' "$igi" calibrate a.jpg b.jpg -o x.json --lensfun
 expect 2 'name the images' "$igi" calibrate --flat -o x.json
 expect 2 'name no others' "$igi" calibrate --overlap a b.exr -o x.json
 expect 3 'nowhere' "$igi" calibrate --overlap nowhere -o x.json
