@@ -69,8 +69,10 @@ typedef struct igi_model_evidence {
 
 enum { IGI_EVIDENCE_ROOM = 16 };
 
-/* What was tried on a region, in order. */
+/* What was spent and tried on a region, in order. */
 typedef struct igi_region_evidence {
+    uint64_t gathered_rays; /* for the light that arrives at it, shadow rays apart */
+    uint64_t lobe_rays;     /* for its highlights */
     size_t count;
     igi_model_evidence tried[IGI_EVIDENCE_ROOM];
 } igi_region_evidence;

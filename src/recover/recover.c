@@ -204,6 +204,15 @@ cleanup:
     return status;
 }
 
+/* The rays that each region was given by the method, where it keeps its rows. */
+static void count_gathered(const igi_problem *p, const igi_rows *rows,
+                           igi_region_evidence *evidence)
+{
+    for (size_t row = 0; rows && row < rows->count; row++)
+        evidence[igi_patch_region(p->patches, rows->side[row] >> 1)].gathered_rays +=
+            rows->begin[row + 1] - rows->begin[row];
+}
+
 /* Maps of what the regions are made of, and what they predict for a few photographs. `known`: the
  * irradiance where it is known already, or NULL. */
 static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_diffuse *diffuse,
@@ -261,6 +270,7 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &r->evidence));
     if (specular && specular->evidence)
         memcpy(r->evidence, specular->evidence, scene->region_count * sizeof *r->evidence);
+    count_gathered(problem, diffuse->rows, r->evidence);
     IGI_TRY_GOTO(draw(ctx, problem, diffuse, specular ? specular->irradiance : NULL, r));
     *recovery = r;
     r = NULL;

@@ -41,6 +41,8 @@ static json_t *region_json(const igi_material *m, const igi_region_evidence *e, 
     bad |= json_object_set_new(o, "parameters",
                                json_integer(bands + (m->model == IGI_LAMBERT ? 0 : 2)));
     bad |= json_object_set_new(o, "texels", json_integer((json_int_t)texels));
+    bad |= json_object_set_new(o, "gathered_rays", json_integer((json_int_t)e->gathered_rays));
+    bad |= json_object_set_new(o, "lobe_rays", json_integer((json_int_t)e->lobe_rays));
     for (size_t i = 0; i < e->count; i++)
         bad |= json_array_append_new(tried, tried_json(&e->tried[i]));
     bad |= json_object_set_new(o, "tried", tried);

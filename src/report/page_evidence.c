@@ -88,6 +88,13 @@ static void print_reason(const igi_page *page, const json_t *t, const char *mode
                 number(t, "specular"), number(t, "alpha"), 100 * after, 100 * before);
 }
 
+/* In a cell of its own; the last one is left open. */
+static void print_thousands(FILE *f, double x)
+{
+    if (isnan(x)) fputs("</td><td>&ndash;", f);
+    else fprintf(f, "</td><td>%.1f", x * 1e-3);
+}
+
 static void print_row(const igi_page *page, const char *name, const json_t *region)
 {
     FILE *f = page->file;
@@ -104,6 +111,8 @@ static void print_row(const igi_page *page, const char *name, const json_t *regi
     fprintf(f, "</td><td>%.0f</td><td>", number(region, "parameters"));
     if (texels > 0) fprintf(f, "%.0f", texels);
     else fputs("&ndash;", f);
+    print_thousands(f, number(region, "gathered_rays"));
+    print_thousands(f, number(region, "lobe_rays"));
     fputs("</td></tr>\n", f);
 }
 
@@ -121,7 +130,8 @@ void igi_page_evidence(const igi_page *page)
         "texels come on top where the region is textured.</p><div class=\"card "
         "scroll\"><table><thead><tr><th class=\"l\">region"
         "</th><th class=\"l\">given</th><th class=\"l\">tried</th><th class=\"l\">why</th>"
-        "<th>parameters</th><th>texels</th></tr></thead><tbody>\n",
+        "<th>parameters</th><th>texels</th><th>rays for its<br>light, 10<sup>3</sup></th>"
+        "<th>for its<br>lobe, 10<sup>3</sup></th></tr></thead><tbody>\n",
         f);
     for (void *it = json_object_iter(regions); it; it = json_object_iter_next(regions, it))
         print_row(page, json_object_iter_key(it), json_object_iter_value(it));

@@ -30,6 +30,7 @@ typedef struct job {
     uint32_t *candidates; /* observations */
     size_t candidate_count;
     float (*scores)[4];
+    uint64_t *rays;  /* of each task */
     size_t capacity; /* of the arrays of `out` that grow while choosing */
 } job;
 
@@ -393,6 +394,7 @@ static igi_status set_up_pixels(igi_context *ctx, void *user, size_t task, int w
     size_t end = (task + 1) * 16 < j->out->count ? (task + 1) * 16 : j->out->count;
     for (size_t i = task * 16; i < end; i++) set_up_pixel(j, i, &rays);
     igi_count_rays(ctx, rays);
+    j->rays[task] = rays;
     return IGI_OK;
 }
 
@@ -428,12 +430,16 @@ igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *fie
     IGI_TRY_GOTO(igi_parallel_for(ctx, (j.candidate_count + 1023) / 1024, score_candidates, &j));
     IGI_TRY_GOTO(choose(ctx, &j));
     IGI_TRY_GOTO(allocate_sets(ctx, &j));
-    IGI_TRY_GOTO(igi_parallel_for(ctx, (j.out->count + 15) / 16, set_up_pixels, &j));
+    size_t tasks = (j.out->count + 15) / 16;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, tasks, &j.rays));
+    IGI_TRY_GOTO(igi_parallel_for(ctx, tasks, set_up_pixels, &j));
+    for (size_t t = 0; t < tasks; t++) j.out->rays += j.rays[t];
     *highlights = j.out;
     j.out = NULL;
 cleanup:
     igi_free(j.candidates);
     igi_free(j.scores);
+    igi_free(j.rays);
     igi_highlights_destroy(j.out);
     return status;
 }

@@ -23,6 +23,7 @@ typedef struct igi_direction_sample {
 
 typedef struct igi_highlights {
     size_t count;     /* pixels */
+    uint64_t rays;    /* that were sent for them */
     int samples;      /* directions of each, */
     int lobe_samples; /* of which the first are to surfaces, the others to lamps */
     int bands;

@@ -61,8 +61,10 @@ static igi_status choose_highlights(igi_context *ctx, const stage *s, size_t reg
     irradiance_source source = {s->field->problem, s->irradiance};
     options.per_point = is_per_point(s->field->problem, region);
     options.candidates = &s->candidates;
-    return igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options, irradiance_at,
-                                 &source, h);
+    IGI_TRY(igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options, irradiance_at,
+                                  &source, h));
+    s->specular->evidence[region].lobe_rays += (*h)->rays;
+    return IGI_OK;
 }
 
 static void record(const stage *s, size_t region, const char *look, const igi_lobe_estimate *e)

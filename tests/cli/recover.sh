@@ -20,6 +20,16 @@ stdout 'out/report\.html'
 for file in materials.json manifest.json report.html scene.glb comparison/index.json; do
     [ -s "out/$file" ] || fail "out/$file is missing"
 done
+python3 - <<'PY' || fail "evidence.json does not add up"
+import json
+regions = json.load(open("out/evidence.json"))["regions"]
+sent = {s["name"]: s["rays"] for s in json.load(open("out/manifest.json"))["stages"]}
+gathered = sum(r["gathered_rays"] for r in regions.values())
+lobes = sum(r["lobe_rays"] for r in regions.values())
+assert min(r["gathered_rays"] for r in regions.values()) > 0
+assert 0 < gathered and 0 < lobes and gathered + lobes <= sum(sent.values()), (gathered, lobes, sent)
+print("of", sent, "rays", gathered, "gathered and", lobes, "for lobes")
+PY
 grep -q '"xxh64": "[0-9a-f]\{16\}"' out/manifest.json || fail "no hashes in manifest.json"
 [ "$(grep -c 'images/000' out/manifest.json)" -eq 6 ] || fail "manifest.json lacks photographs"
 [ -z "$(find . -name '*.part*')" ] || fail "left behind: $(find . -name '*.part*')"

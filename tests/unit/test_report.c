@@ -183,20 +183,25 @@ static igi_recovery *awkward(igi_context *ctx)
     }
     m->materials[0].map_std->samples[7] = (float)NAN;
     r->evidence = igi_calloc(ctx, 4, sizeof *r->evidence);
-    r->evidence[0] = (igi_region_evidence){
-        1,
-        {{.model = IGI_WARD, .look = "glance", .gain = 3, .residuals = 100, .plain_noise = .05}}};
+    r->evidence[0] = (igi_region_evidence){.gathered_rays = 123400,
+                                           .lobe_rays = 5600,
+                                           .count = 1,
+                                           .tried = {{.model = IGI_WARD,
+                                                      .look = "glance",
+                                                      .gain = 3,
+                                                      .residuals = 100,
+                                                      .plain_noise = .05}}};
     r->evidence[1] = (igi_region_evidence){
-        2,
-        {{.model = IGI_WARD, .look = "search", .gain = (double)NAN, .residuals = 0},
-         {.model = IGI_WARD,
-          .look = "refine",
-          .gain = 300,
-          .residuals = 100,
-          .noise = .05,
-          .plain_noise = .2,
-          .specular = .1,
-          .specular_std = .01}}};
+        .count = 2,
+        .tried = {{.model = IGI_WARD, .look = "search", .gain = (double)NAN, .residuals = 0},
+                  {.model = IGI_WARD,
+                   .look = "refine",
+                   .gain = 300,
+                   .residuals = 100,
+                   .noise = .05,
+                   .plain_noise = .2,
+                   .specular = .1,
+                   .specular_std = .01}}};
     m->warnings = igi_calloc(ctx, 1, sizeof(char *));
     m->warning_count = 1;
     CHECK_OK(ctx, igi_strdup(ctx, "1 < 2 & <script>throw 1</script>", &m->warnings[0]));
@@ -237,6 +242,7 @@ static void a_page_of_awkward_content(void)
     if (page) fclose(page);
     CHECK_CONTAINS(text, "&lt;script&gt;throw 1&lt;/script&gt;");
     CHECK_CONTAINS(text, "w\xc3\xa4nd");
+    CHECK_CONTAINS(text, "<td>123.4</td><td>5.6</td>"); /* thousands of rays */
     CHECK_CONTAINS(text, "not seen");
     CHECK_CONTAINS(text, "gives no hint of a lobe");
     CHECK_CONTAINS(text, "ward&nbsp;+3.000");
