@@ -72,6 +72,13 @@ void igi_sketch_key(const igi_sketch *s, const uint8_t colour[3], const char *te
 void igi_sketch_ramp(const igi_sketch *s, const uint8_t ramp[IGI_RAMP_STOPS][3], int first,
                      const char *const ends[2]);
 
+/* An assumption on the page; NULL: it has no card. */
+typedef struct igi_topic {
+    const char *name, *title, *why;
+    igi_status (*draw)(const igi_sketch *s, const igi_assumption *a);
+} igi_topic;
+const igi_topic *igi_topic_of(const igi_assumption *a);
+
 /* The page's sections. */
 IGI_MUST_USE igi_status igi_sketch_assumptions(const igi_sketch *s);
 IGI_MUST_USE igi_status igi_sketch_coverage(const igi_sketch *s);
