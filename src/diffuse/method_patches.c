@@ -25,7 +25,8 @@
 
 #define DEFAULT_RAYS 64
 #define FEWEST_RAYS 8
-#define STUCK 0.9 /* of the stated error with half the rays: more would not help */
+#define RAYS_TIMES_ERROR 0.11 /* what usually suffices */
+#define STUCK 0.9             /* of the stated error with half the rays: more would not help */
 #define SKY_POINTS 4
 #define MOST_RAYS 1024
 #define REGION_FOLD 256  /* rays of a small region's rows together, in units of one row's */
@@ -190,6 +191,15 @@ double igi_stated_error(const igi_problem *p, const igi_diffuse *d)
     return n > 0 ? sum / n : 0;
 }
 
+/* Where doubling begins. */
+static int first_rays(double target_error)
+{
+    int rays = FEWEST_RAYS;
+    while (target_error > 0 && rays < DEFAULT_RAYS && rays * target_error < RAYS_TIMES_ERROR)
+        rays *= 2;
+    return rays;
+}
+
 /* Without a target or a budget: once, with the default rays. With them: rays are doubled from few
  * until the stated error is below the target, or no longer falls, or the next doubling would not
  * fit into the budget. */
@@ -197,7 +207,7 @@ igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_
 {
     const igi_recover_options *o = problem->options;
     bool adapts = o->rays == 0 && (o->target_error > 0 || o->time_budget_s > 0);
-    int rays = o->rays ? o->rays : adapts ? FEWEST_RAYS : DEFAULT_RAYS;
+    int rays = o->rays ? o->rays : adapts ? first_rays(o->target_error) : DEFAULT_RAYS;
     for (double error = HUGE_VAL, last;; rays *= 2) {
         double before = igi_cpu_seconds();
         IGI_TRY(gather_and_solve(ctx, problem, rays, diffuse));
