@@ -19,6 +19,9 @@
 #define HINT_NOISE 0.2
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
+#define FEW_PIXELS 1000  /* to tell models apart; */
+#define MOST_PIXELS 4000 /* more, until independent noise leaves no more of rho_s open */
+#define QUIET 0.006
 
 typedef struct irradiance_source {
     const igi_problem *problem;
@@ -191,6 +194,14 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
     return IGI_OK;
 }
 
+/* How many pixels make what independent noise leaves of rho_s small enough: it falls with their
+ * root. What is left then are errors that more pixels share. */
+static size_t enough_pixels(size_t tried, const igi_lobe_estimate *e)
+{
+    double rest = e->specular > 0 ? e->noise_std / e->specular / QUIET : HUGE_VAL;
+    return (size_t)fmin(MOST_PIXELS, (double)tried * rest * rest);
+}
+
 /* Then, where one was found, with directions about it: first which model, then how much of it. */
 static igi_status refine_lobes(igi_context *ctx, stage *s)
 {
@@ -202,7 +213,7 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         float a = s->specular->lobes[r].alpha;
         igi_highlight_options options = {.scored = 40000,
-                                         .pixels = 1000,
+                                         .pixels = FEW_PIXELS,
                                          .lobe_samples = 64,
                                          .lamp_samples = 64,
                                          .lamp_tests = 8,
@@ -211,9 +222,9 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
         IGI_TRY(fit_region(ctx, s, r, options, models, 3));
         const igi_model best = e->model, chosen = asked ? models[0] : best;
         if (asked) *e = before;
-        options.pixels = 4000;
+        options.pixels = asked ? MOST_PIXELS : enough_pixels(FEW_PIXELS, e);
         options.lamp_samples = 96;
-        IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
+        if (options.pixels > FEW_PIXELS) IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
         e->rival = best != chosen ? best : IGI_LAMBERT;
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], KEEP_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
