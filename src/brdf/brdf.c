@@ -133,12 +133,28 @@ static void ward_over(const float *alphas, size_t count, igi_vec in, igi_vec out
     }
 }
 
+static void ggx_over(const float *alphas, size_t count, igi_vec in, igi_vec out, float *scale,
+                     float *base)
+{
+    igi_vec h = half_vector(in, out);
+    float c = 1 - igi_dot(h, in), schlick = c * c * c * c * c;
+    for (size_t i = 0; i < count; i++) {
+        float core = ggx_core(clamp_alpha(alphas[i]), h, in, out);
+        scale[i] = core * (1 - schlick);
+        base[i] = core * schlick;
+    }
+}
+
 void igi_lobe_terms_over(igi_model model, const float *alphas, size_t count, igi_vec in,
                          igi_vec out, float *scale, float *base)
 {
     if (model == IGI_WARD && in.z > 0 && out.z > 0) {
         ward_over(alphas, count, in, out, scale);
         for (size_t i = 0; i < count; i++) base[i] = 0;
+        return;
+    }
+    if (model == IGI_GGX && in.z > 0 && out.z > 0) {
+        ggx_over(alphas, count, in, out, scale, base);
         return;
     }
     for (size_t i = 0; i < count; i++)

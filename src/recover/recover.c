@@ -144,8 +144,16 @@ static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int ban
     m->alpha = e->alpha;
     m->alpha_std = e->alpha_std;
     for (int b = 0; b < bands; b++) m->specular_rgb[b] = e->specular;
-    if (e->rival == IGI_LAMBERT) return IGI_OK;
     char *sentence;
+    if (e->alpha < (double)IGI_SHARP_ALPHA && e->alpha < IGI_BOUND_SIGMAS * e->alpha_std) {
+        IGI_TRY(igi_strprintf(
+            ctx, &sentence,
+            "its highlight is sharper than the photographs resolve: alpha is a bound, "
+            "not an estimate: at most %.2g",
+            e->alpha + IGI_BOUND_SIGMAS * e->alpha_std));
+        IGI_TRY(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
+    }
+    if (e->rival == IGI_LAMBERT) return IGI_OK;
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "its highlights have the shape of %s's lobe rather than %s's, which was "
                           "asked for: specular and alpha are those of the wrong family; use "

@@ -15,9 +15,10 @@
 
 #define CANDIDATES 40000 /* pixels of a region to choose from, at most */
 #define MAX_LAMP_SAMPLES 256
-#define FLAT_SIDES 16   /* a region of more directions is curved */
-#define LAMP_POINTS 4   /* places on each lamp that the score looks at */
-#define PIECE_PATCHES 6 /* side of a piece of the surface, in patches */
+#define FLAT_SIDES 16     /* a region of more directions is curved */
+#define LAMP_POINTS 4     /* places on each lamp that the score looks at */
+#define PIECE_PATCHES 6   /* side of a piece of the surface, in patches */
+#define SCORE_ALPHA 0.03f /* lobes are scored as broad at least: the lamp's points lie apart */
 
 typedef struct job {
     const igi_radiance_field *field;
@@ -141,6 +142,8 @@ static igi_status score_candidates(igi_context *ctx, void *user, size_t task, in
     job *j = user;
     const igi_problem *p = j->field->problem;
     size_t end = (task + 1) * 1024 < j->candidate_count ? (task + 1) * 1024 : j->candidate_count;
+    float alphas[4];
+    for (int a = 0; a < 4; a++) alphas[a] = fmaxf(SCORE_ALPHA, j->options.alphas[a]);
     for (size_t i = task * 1024; i < end; i++) {
         uint32_t side = igi_problem_side_of(p, j->candidates[i]), row = j->rows->row_of[side];
         if (row == IGI_NO_ROW) continue;
@@ -162,7 +165,7 @@ static igi_status score_candidates(igi_context *ctx, void *user, size_t task, in
                 igi_vec in = igi_to_local(samples[k].direction, v.normal);
                 float scale[4], base[4];
                 if (in.z <= 0) continue;
-                igi_lobe_terms_over(IGI_WARD, j->options.alphas, 4, in, out, scale, base);
+                igi_lobe_terms_over(IGI_WARD, alphas, 4, in, out, scale, base);
                 for (int a = 0; a < 4; a++)
                     j->scores[i][a] += scale[a] * received / diffuse / (float)n;
             }
@@ -211,7 +214,7 @@ static igi_status add_point(igi_context *ctx, job *j, size_t observation)
         if (igi_dot(v.normal, seed.normal) < 0.99f) continue;
         IGI_TRY(add_pixel(ctx, j, group, at));
     }
-    if (j->out->count < before + 3) j->out->count = before; /* too few to part albedo from lobe */
+    if (j->out->count < before + 2) j->out->count = before; /* one cannot part albedo from lobe */
     else j->out->groups++;
     return IGI_OK;
 }
@@ -219,7 +222,9 @@ static igi_status add_point(igi_context *ctx, job *j, size_t observation)
 static igi_status choose(igi_context *ctx, job *j)
 {
     double sums[4] = {0}, wanted = (double)j->options.pixels;
-    if (j->options.per_point) wanted /= 8; /* each point brings some eight photographs */
+    size_t frames = j->field->problem->observations->frame_count;
+    if (j->options.per_point) /* a third of the photographs show a point, about */
+        wanted /= fmin(8, fmax(1, (double)frames / 3));
     for (size_t i = 0; i < j->candidate_count; i++)
         for (int a = 0; a < 4; a++) sums[a] += (double)j->scores[i][a];
     for (size_t i = 0; i < j->candidate_count; i++) {
@@ -318,6 +323,45 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
     }
 }
 
+/* Density of all narrow lobes together. */
+static float sharp_density(const job *j, igi_vec in, igi_vec out)
+{
+    float density = 0, each = (float)(j->options.sharp_samples / 2);
+    for (int a = 0; a < 2 && each > 0; a++)
+        density += each * igi_lobe_pdf(IGI_WARD, j->options.sharp[a], in, out);
+    return density;
+}
+
+/* The directions from narrow lobes that meet lamps, into directions[first...]. */
+static void sample_sharp(pixel_sets *s, int first)
+{
+    const job *j = s->j;
+    const igi_problem *p = j->field->problem;
+    for (int m = 0; m < j->options.sharp_samples; m++) {
+        igi_direction_sample *d = &s->directions[first + m];
+        float x[4];
+        pattern_at(s->start, m, x);
+        place at = footprint_place(j, &s->v, x[2], x[3]);
+        d->out = at.out;
+        if (d->out.z <= 0) continue;
+        d->in = igi_lobe_sample(IGI_WARD, j->options.sharp[m % 2], d->out, x[0], x[1]);
+        if (d->in.z <= 0) continue;
+        igi_vec direction = igi_to_world(d->in, at.normal);
+        igi_hit hit = igi_trace(p->tracer, at.point, direction);
+        s->rays++;
+        if (hit.triangle == IGI_NO_HIT || hit.back) continue;
+        int light = igi_lighting_of_triangle(p->lighting, hit.triangle);
+        if (light < 0) continue;
+        /* the density of sample_lamp's: of one of the lamp's triangles */
+        float cosine = fabsf(igi_dot(direction, igi_tracer_normal(p->tracer, hit.triangle)));
+        float lamp = (float)j->options.lamp_samples * hit.distance * hit.distance /
+                     fmaxf(cosine * igi_triangle_area(&p->scene->mesh, hit.triangle), 1e-30f);
+        d->weight = d->in.z / (lamp + sharp_density(j, d->in, d->out));
+        for (int b = 0; b < p->bands; b++)
+            s->incident[(first + m) * p->bands + b] = (float)p->lights[light].value[b];
+    }
+}
+
 /* The directions of one lamp, into directions[first...]. Some are tested for shadow; where they
  * disagree, an edge of shadow crosses the lamp, and every direction is tested. */
 static void sample_lamp(pixel_sets *s, size_t light, int first)
@@ -350,7 +394,10 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
                 igi_sub(igi_madd(s->v.point, direction, samples[m].distance), at.point));
         d->in = igi_to_local(direction, at.normal);
         if (d->in.z <= 0 || d->out.z <= 0) continue;
-        d->weight = d->in.z * samples[m].weight;
+        float narrow = sharp_density(s->j, d->in, d->out),
+              lamp = samples[m].pdf * (float)s->j->options.lamp_samples;
+        bool area = p->lights[light].type == IGI_LIGHT_AREA;
+        d->weight = d->in.z * samples[m].weight * (area ? lamp / (lamp + narrow) : 1);
         for (int b = 0; b < p->bands; b++)
             s->incident[(first + (int)m) * p->bands + b] = (float)p->lights[light].value[b];
     }
@@ -383,6 +430,7 @@ static void set_up_pixel(job *j, size_t i, uint64_t *rays)
     sample_lobes(&s, &rng);
     for (size_t l = 0; l < j->rows->lights; l++)
         sample_lamp(&s, l, j->options.lobe_samples + (int)l * j->options.lamp_samples);
+    sample_sharp(&s, h->samples - j->options.sharp_samples);
     *rays += s.rays;
 }
 
@@ -409,6 +457,13 @@ static igi_status allocate_sets(igi_context *ctx, const job *j)
     return IGI_ALLOC(ctx, n * samples * bands, &h->incident);
 }
 
+static float pixel_angle(const igi_scene *scene)
+{
+    double sum = 0;
+    for (size_t f = 0; f < scene->frame_count; f++) sum += 1 / scene->frames[f].camera.fl_x;
+    return (float)(sum / (double)scene->frame_count);
+}
+
 igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *field,
                                  const igi_rows *rows, size_t region,
                                  const igi_highlight_options *options, igi_irradiance_fn irradiance,
@@ -425,7 +480,9 @@ igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *fie
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &j.out));
     j.out->bands = field->problem->bands;
     j.out->lobe_samples = options->lobe_samples;
-    j.out->samples = options->lobe_samples + (int)rows->lights * options->lamp_samples;
+    j.out->samples = options->lobe_samples + (int)rows->lights * options->lamp_samples +
+                     options->sharp_samples;
+    j.out->pixel_angle = pixel_angle(field->problem->scene);
     IGI_TRY_GOTO(take_candidates(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, (j.candidate_count + 1023) / 1024, score_candidates, &j));
     IGI_TRY_GOTO(choose(ctx, &j));

@@ -7,7 +7,9 @@
  *     S(alpha) = sum_m incident_m f_s(in_m, out_m; alpha) cos_m / p_m
  * is then a smooth function of alpha that costs no further ray. Lamps and surfaces are kept apart.
  * Lamps are bright and known: many directions over each, few of them tested for shadow while the
- * tests agree. Surfaces are dim and smooth: directions from lobes of four roughnesses
+ * tests agree; and directions from lobes narrower than a lamp's points lie apart, weighed together
+ * with them (balance heuristic: a narrow lobe finds a lamp always or never, a broad one by chance,
+ * which is noise). Surfaces are dim and smooth: directions from lobes of four roughnesses
  * (balance heuristic; Veach 1997). Each direction has its own place within the pixel, so that S is
  * the mean over the pixel's footprint.
  */
@@ -22,10 +24,11 @@ typedef struct igi_direction_sample {
 } igi_direction_sample;
 
 typedef struct igi_highlights {
-    size_t count;     /* pixels */
-    uint64_t rays;    /* that were sent for them */
-    int samples;      /* directions of each, */
-    int lobe_samples; /* of which the first are to surfaces, the others to lamps */
+    size_t count;      /* pixels */
+    uint64_t rays;     /* that were sent for them */
+    int samples;       /* directions of each, */
+    int lobe_samples;  /* of which the first are to surfaces, the others to lamps */
+    float pixel_angle; /* radians across a pixel, of the cameras' mean */
     int bands;
     size_t groups;         /* pixels of one group show one albedo: a region, or one of its points */
     uint32_t *group;       /* [count] rising */
@@ -50,13 +53,15 @@ void igi_candidates_clear(igi_candidates *candidates);
 
 typedef struct igi_highlight_options {
     const igi_candidates *candidates;
-    size_t scored;    /* at most so many candidates are looked at */
-    size_t pixels;    /* about how many to choose */
-    int lobe_samples; /* directions from lobes, a multiple of 4 */
-    int lamp_samples; /* directions to each lamp */
-    int lamp_tests;   /* shadow rays to each lamp as long as they agree */
-    float alphas[4];  /* of the lobes that directions are drawn from */
-    bool per_point;   /* the region is textured: albedo is eliminated point by point */
+    size_t scored;     /* at most so many candidates are looked at */
+    size_t pixels;     /* about how many to choose */
+    int lobe_samples;  /* directions from lobes, a multiple of 4 */
+    int lamp_samples;  /* directions to each lamp */
+    int lamp_tests;    /* shadow rays to each lamp as long as they agree */
+    int sharp_samples; /* directions from narrow lobes to any lamp, an even number */
+    float sharp[2];    /* roughnesses of the narrow lobes */
+    float alphas[4];   /* of the lobes that directions are drawn from */
+    bool per_point;    /* the region is textured: albedo is eliminated point by point */
 } igi_highlight_options;
 
 /* Irradiance at an observation, per band. */

@@ -18,6 +18,9 @@ typedef struct igi_lobe {
     float specular[IGI_MAX_BANDS]; /* rho_s per band; all alike but for coloured lobes */
 } igi_lobe;
 
+/* A sharper lobe meets none or one of some points on a lamp: rays of the lobe look for lamps. */
+#define IGI_SHARP_ALPHA 0.04f
+
 typedef struct igi_radiance_field {
     const igi_problem *problem;
     const float *diffuse;  /* [2 patches][bands] the part of each side that all directions share */

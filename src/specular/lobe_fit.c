@@ -33,7 +33,9 @@
 #define BLIND_SPECULAR 0.2
 #define BLIND_ALPHA 0.7
 #define COMMON 0.004
-#define SHARP_SPECULAR 0.2 /* of what the sharpness leaves open of alpha */
+/* Of a pixel's angle: a roughness as small is not known, since its square is what pixels blur. */
+#define UNRESOLVED 0.3
+#define SHARP_SPECULAR 0.3 /* of what the sharpness leaves open of alpha */
 
 static void spread_alphas(double low, double high, size_t count, double *alphas)
 {
@@ -232,7 +234,7 @@ cleanup:
 /* Phong's lobe of the same width has twice the alpha. */
 static double highest_alpha(igi_model model)
 {
-    return model == IGI_PHONG ? 2 * IGI_FIT_ALPHA_HIGH : IGI_FIT_ALPHA_HIGH;
+    return model == IGI_PHONG ? fmin(1, 2 * IGI_FIT_ALPHA_HIGH) : IGI_FIT_ALPHA_HIGH;
 }
 
 /* How much of <S_perp, S_perp> lamps bring; `column` is the best one. */
@@ -250,11 +252,11 @@ static igi_status find_lamp_share(igi_context *ctx, igi_profile *f, igi_model mo
     return IGI_OK;
 }
 
-/* What the residuals do not tell; least of all about a highlight that is sharper than what is looked
- * for. */
-static void widen(igi_lobe_estimate *e)
+/* What the residuals do not tell; least of all about a highlight that is sharper than the pixels. */
+static void widen(const igi_highlights *h, igi_lobe_estimate *e)
 {
-    double blind = 1 - e->lamp_share, sharp = pow(IGI_FIT_ALPHA_LOW / e->alpha, 3);
+    double blind = 1 - e->lamp_share,
+           sharp = pow(UNRESOLVED * (double)h->pixel_angle / e->alpha, 2);
     double specular = hypot(hypot(BLIND_SPECULAR * blind, COMMON), SHARP_SPECULAR * sharp);
     double alpha = hypot(hypot(BLIND_ALPHA * blind, COMMON), sharp);
     e->specular_std = hypot(e->specular_std, specular * e->specular);
@@ -273,9 +275,9 @@ static igi_status locate(igi_context *ctx, igi_profile *f, igi_model model, igi_
                       alphas);
         IGI_TRY(igi_lobe_table_create(ctx, f->h, model, alphas, FINE, table));
         size_t at = settle(f, table, e);
-        e->at_bound = e->alpha <= (double)(float)IGI_FIT_ALPHA_LOW ||
-                      e->alpha >= (double)(float)high;
-        if (e->at_bound || (at > 0 && at + 1 < FINE)) break;
+        e->at_bound = e->alpha >= (double)(float)high;
+        bool sharpest = e->alpha <= (double)(float)IGI_FIT_ALPHA_LOW;
+        if (e->at_bound || sharpest || (at > 0 && at + 1 < FINE)) break;
     }
     return IGI_OK;
 }
@@ -322,7 +324,7 @@ static igi_status fit_finely(igi_context *ctx, igi_profile *f, igi_model model,
         IGI_TRY_GOTO(polish_with_ceres(ctx, f, &table, &polished));
         IGI_TRY_GOTO(take_polished(ctx, f, &polished, e, &likelier));
     }
-    if (e->specular > 0) widen(e);
+    if (e->specular > 0) widen(f->h, e);
 cleanup:
     igi_lobe_table_clear(&table);
     return status;
@@ -334,7 +336,7 @@ typedef struct basins {
 } basins;
 
 /* The deepest minima of the misfit over the columns, with the present weights, join the others. */
-static void add_basins(igi_profile *f, const igi_lobe_table *t, basins *all)
+static void add_basins(igi_profile *f, const igi_lobe_table *t, size_t most, basins *all)
 {
     double misfit[IGI_TABLE_ALPHAS];
     bool taken[IGI_TABLE_ALPHAS] = {false};
@@ -343,7 +345,7 @@ static void add_basins(igi_profile *f, const igi_lobe_table *t, basins *all)
         igi_profile_column c = igi_profile_column_of(f, t, a);
         misfit[a] = igi_profile_evaluate(f, &c).misfit;
     }
-    for (size_t found = 0; found < MOST_BASINS / 2; found++) {
+    for (size_t found = 0; found < most; found++) {
         size_t best = t->alpha_count;
         for (size_t a = 0; a < t->alpha_count; a++) {
             bool lowest = (a == 0 || misfit[a] < misfit[a - 1]) &&
@@ -378,10 +380,11 @@ static igi_status search_from(igi_context *ctx, igi_profile *f, const igi_lobe_t
     size_t size = f->n * f->bands * sizeof *f->weight;
     igi_lobe_table fine = {.model = coarse->model};
     igi_lobe_estimate first = *best;
+    size_t most = best->residuals < FEW_RESIDUALS ? MOST_BASINS / 2 : 2;
     memcpy(f->weight, weights, size);
-    add_basins(f, coarse, &all);
+    add_basins(f, coarse, most, &all);
     (void)settle(f, coarse, &first);
-    add_basins(f, coarse, &all);
+    add_basins(f, coarse, most, &all);
     for (size_t k = 0; k < all.count; k++) {
         igi_lobe_estimate trial = first;
         memcpy(f->weight, weights, size);
@@ -448,6 +451,10 @@ igi_status igi_lobe_glance(igi_context *ctx, const igi_highlights *highlights, i
     if (!judge_plain(&f, model, estimate)) goto cleanup;
     IGI_TRY_GOTO(tabulate_coarsely(ctx, &f, model, &table));
     (void)settle(&f, &table, estimate);
+    if (estimate->deviance > estimate->plain_deviance) { /* hardly the best that there is */
+        (void)judge_plain(&f, model, estimate);
+        IGI_TRY_GOTO(search(ctx, &f, model, estimate));
+    }
 cleanup:
     igi_lobe_table_clear(&table);
     igi_profile_clear(&f);

@@ -9,8 +9,8 @@
 
 /* Roughnesses that are looked for: below, photographs of a few hundred pixels resolve nothing; above,
  * a lobe can hardly be told from a diffuse surface. */
-#define IGI_FIT_ALPHA_LOW 0.012
-#define IGI_FIT_ALPHA_HIGH 0.5
+#define IGI_FIT_ALPHA_LOW 0.004
+#define IGI_FIT_ALPHA_HIGH 0.6
 
 typedef struct igi_lobe_estimate {
     igi_model model;
@@ -20,7 +20,7 @@ typedef struct igi_lobe_estimate {
     double noise_std; /* of specular, were independent noise all that there is */
     double
         lamp_share;  /* how much of what is known of specular comes from lamps' highlights, 0..1 */
-    bool at_bound;   /* alpha ran into an end of what is looked for */
+    bool at_bound;   /* alpha ran into the upper end of what is looked for */
     double deviance; /* -2 ln likelihood with the lobe, */
     double plain_deviance;        /* and without: both with the noise that fits them */
     double residuals;             /* how many residuals there were */

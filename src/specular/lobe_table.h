@@ -7,7 +7,7 @@
 
 #include "specular/highlights.h"
 
-#define IGI_TABLE_ALPHAS 20 /* at most */
+#define IGI_TABLE_ALPHAS 28 /* at most */
 
 /* The specular radiance of pixel i at roughness alphas[a] is rho_s scale[i][a] + base[i][a], per
  * band: scale[count][alpha_count][bands]; base is NULL but for ggx. noise is the variance of scale

@@ -5,6 +5,28 @@
 #include "scene/camera.h"
 
 #define LAMP_SAMPLES 16
+#define LOBE_SAMPLES 16
+
+/* The lamps in a sharp lobe, by rays of the lobe. */
+static void add_mirrored(const igi_problem *p, const igi_lobe *lobe, igi_vec point, igi_vec normal,
+                         igi_vec out, float *radiance)
+{
+    for (int k = 0; k < LOBE_SAMPLES; k++) {
+        float u = ((float)k + 0.5f) / LOBE_SAMPLES, v = (float)k * 0.6180339887f, scale, base;
+        igi_vec in = igi_lobe_sample(lobe->model, lobe->alpha, out, u, v - floorf(v));
+        float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, out);
+        if (in.z <= 0 || !(pdf > 0)) continue;
+        igi_hit hit = igi_trace(p->tracer, point, igi_to_world(in, normal));
+        if (hit.triangle == IGI_NO_HIT || hit.back) continue;
+        int light = igi_lighting_of_triangle(p->lighting, hit.triangle);
+        if (light < 0) continue;
+        igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
+        float carried = in.z / (pdf * LOBE_SAMPLES);
+        for (int b = 0; b < p->bands; b++)
+            radiance[b] += (lobe->specular[b] * scale + base) * carried *
+                           (float)p->lights[light].value[b];
+    }
+}
 
 static void add_surfaces(const igi_correction *c, size_t bands, uint32_t side, size_t frame,
                          float *radiance)
@@ -31,11 +53,13 @@ void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *proble
     if (hit->back) normal = igi_scale(normal, -1);
     igi_vec out = igi_to_local(igi_normalize(igi_sub(eye, point)), normal);
     const float start[2] = {0.5f, 0.5f};
+    bool sharp = lobe->alpha < IGI_SHARP_ALPHA && out.z > 0;
+    if (sharp) add_mirrored(p, lobe, point, normal, out, lamps);
     for (size_t l = 0; l < view->rows->lights; l++) {
         float open = view->rows->open[row * view->rows->lights + l];
         float visible = open > 0 ? view->rows->direct[row * view->rows->lights + l] / open : 0;
         igi_light_sample samples[LAMP_SAMPLES];
-        if (!(visible > 0)) continue;
+        if (!(visible > 0) || (sharp && p->lights[l].type == IGI_LIGHT_AREA)) continue;
         size_t n = igi_light_sample_set(p->lighting, l, point, LAMP_SAMPLES, start, samples);
         for (size_t k = 0; k < n; k++) {
             igi_vec in = igi_to_local(samples[k].direction, normal);

@@ -17,6 +17,7 @@
 #define MIN_SIGMAS 4
 #define HINT_SHARE 0.03
 #define HINT_NOISE 0.2
+#define SHARP_SHARE 0.01
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
 #define FEW_PIXELS 1000  /* to tell models apart; */
@@ -50,12 +51,16 @@ static bool is_per_point(const igi_problem *p, size_t region)
     return p->scene->regions[region].textured == IGI_YES;
 }
 
-/* A later model must be better by more than the noise of such differences; and a lobe that ran into
+/* A later model must be better by more than the noise of such differences, which for sharp lobes is
+ * that of S: a share of all that the lobe explains; and a lobe that ran into
  * an end of what is looked for is none. */
 static bool is_better(const igi_lobe_estimate *later, const igi_lobe_estimate *best)
 {
     if (later->at_bound != best->at_bound) return best->at_bound;
-    return later->deviance < best->deviance - MODEL_GAIN - MODEL_SHARE * later->residuals;
+    double margin = MODEL_GAIN + MODEL_SHARE * later->residuals;
+    if (best->alpha < (double)IGI_SHARP_ALPHA)
+        margin += SHARP_SHARE * fmax(0, best->plain_deviance - best->deviance);
+    return later->deviance < best->deviance - margin;
 }
 
 static igi_status choose_highlights(igi_context *ctx, const stage *s, size_t region,
@@ -169,6 +174,8 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
                                      .lobe_samples = 16,
                                      .lamp_samples = 32,
                                      .lamp_tests = 4,
+                                     .sharp_samples = 8,
+                                     .sharp = {0.006f, 0.02f},
                                      .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
     igi_model models[3];
     order_models(p, models);
@@ -185,6 +192,7 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
             closer.pixels = 1200;
             closer.lobe_samples = 32;
             closer.lamp_samples = 64;
+            closer.sharp_samples = 16;
             e->model = IGI_LAMBERT; /* the hint is no start: look everywhere again */
             IGI_TRY(fit_region(ctx, s, r, closer, models, allowed));
         }
@@ -217,6 +225,8 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
                                          .lobe_samples = 64,
                                          .lamp_samples = 64,
                                          .lamp_tests = 8,
+                                         .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
+                                         .sharp = {0.7f * a, 1.5f * a},
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
         igi_lobe_estimate *e = &s->specular->estimates[r], before = *e;
         IGI_TRY(fit_region(ctx, s, r, options, models, 3));

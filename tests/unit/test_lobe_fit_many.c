@@ -140,7 +140,7 @@ static double excess(igi_context *ctx, problem *p, const igi_lobe_estimate *e, d
 {
     const igi_profile_column none = {NULL, NULL, NULL, 0};
     igi_profile f;
-    double top = p->model == IGI_PHONG ? 2 * IGI_FIT_ALPHA_HIGH : IGI_FIT_ALPHA_HIGH, worst = 0;
+    double top = p->model == IGI_PHONG ? 1 : IGI_FIT_ALPHA_HIGH, worst = 0;
     double deviance, other;
     CHECK_OK(ctx, igi_profile_create(ctx, &p->h, &f));
     double found = fit_at(ctx, &f, p->model, e->alpha, true, &deviance).misfit;
