@@ -9,8 +9,8 @@ SCENE is a folder with truth. Each step renders some views at reduced size, comp
 photographs, and moves every region's albedo (a texture where scene.json declares one) and, where the
 truth has a lobe, its rho_s and alpha: the peer is told which surfaces are glossy, which igi has to
 find out. CURVE.csv receives a line a step, the errors as `igi validate` defines them; `igi chart
-speed --peer CURVE.csv` draws it. CPU seconds are those of the whole process, all threads, from its
-start. Run it twice and keep the second: compiled kernels come from Dr.Jit's cache then.
+speed --peer CURVE.csv` draws it. CPU seconds are those of the whole process, all threads, once Python
+and Mitsuba are loaded: igi's, too, begin with the scene's files. Run it twice and keep the second: compiled kernels come from Dr.Jit's cache then.
 
 Needs mitsuba, numpy and OpenEXR from PyPI, and LLVM's library, 17 or newer (Debian: libllvm19).
 """
@@ -332,6 +332,7 @@ def main():
         print(f"skipped: Mitsuba does not run here ({error}); python3 -m pip install mitsuba")
         return 77
     define_ward(mi, dr)
+    started = time.process_time()
 
     def load(*names):
         with open(os.path.join(options.scene, *names), encoding="utf-8") as file:
@@ -355,6 +356,7 @@ def main():
                        mi.TensorXf(target.astype(np.float32)),
                        mi.TensorXf(weight.astype(np.float32))))
     judge = Judge(options.scene, truth, keys)
+    judge.cpu_s = started  # so is what loading Mitsuba took
     with open(options.output, "w", encoding="utf-8", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["peer", "run", "scene", "step", "cpu_s", "paths", "albedo_mean", "albedo_max",

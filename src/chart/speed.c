@@ -121,6 +121,7 @@ static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *st
     forget_peak();
     IGI_TRY_GOTO(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
     describe(&c, row);
+    row->cpu_s += s->load_s;
     IGI_TRY_GOTO(chart_reference_seconds(ctx, &after));
     row->ratio = row->cpu_s / ((before + after) / 2);
     if (s->lights && c.materials) IGI_TRY_GOTO(relight(ctx, s, &c, &row->relit));

@@ -67,6 +67,7 @@ typedef struct speed_subject {
     igi_scene *scene;
     igi_materials *truth;
     double patch_m;    /* the standard one */
+    double load_s;     /* CPU seconds that loading the scene took */
     igi_light *lights; /* novel ones, to relight with; NULL: none are known */
     size_t light_count;
 } speed_subject;

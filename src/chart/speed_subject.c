@@ -36,7 +36,9 @@ static igi_status load_subject(igi_context *ctx, const char *folder, bool relit,
     igi_status status = IGI_OK;
     char *path = NULL;
     *s = (speed_subject){0};
+    double began = igi_cpu_seconds();
     IGI_TRY_GOTO(igi_scene_load(ctx, folder, &s->scene));
+    s->load_s = igi_cpu_seconds() - began;
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/truth", folder));
     IGI_TRY_GOTO(igi_materials_load(ctx, path, &s->truth));
     s->patch_m = PATCH_SHARE * diagonal(&s->scene->mesh);
