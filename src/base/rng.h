@@ -5,6 +5,7 @@
 #ifndef IGI_SRC_BASE_RNG_H
 #define IGI_SRC_BASE_RNG_H
 
+#include <math.h>
 #include <stdint.h>
 
 /* PCG32 (O'Neill 2014): 64 bits of state, 32 of output. */
@@ -47,6 +48,18 @@ static inline float igi_u32_to_float(uint32_t bits)
 static inline float igi_rng_float(igi_rng *rng)
 {
     return igi_u32_to_float(igi_rng_next(rng));
+}
+
+/* Point k of Roberts' R sequence (2018; a Kronecker sequence) of 1 to 4 dimensions,
+ * x_d = frac(shift_d + (k + 1) g^-d) with g^5 = g + 1; in [0,1). */
+static inline void igi_kronecker(const double *shift, int k, int dimensions, double *x)
+{
+    static const double step[4] = {0.8566748838545029, 0.7338918566271260, 0.6287067210378087,
+                                   0.5385972572236101}; /* g^-1 .. g^-4, g = 1.1673039782614187 */
+    for (int d = 0; d < dimensions; d++) {
+        x[d] = shift[d] + (k + 1) * step[d];
+        x[d] -= floor(x[d]);
+    }
 }
 
 #endif

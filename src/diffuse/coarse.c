@@ -9,6 +9,7 @@
 #include "diffuse/coarse.h"
 
 #include "base/parallel.h"
+#include "base/rng.h"
 #include "diffuse/region_sums.h"
 #include "transport/form_factor.h"
 #include "transport/radiosity.h"
@@ -120,7 +121,7 @@ static igi_status light_element(igi_context *ctx, void *user, size_t e, int work
     for (int d = 0; d < 3; d++) shift[d] = (double)igi_rng_float(&rng);
     double margin = 4 * (double)igi_tracer_epsilon(c->problem->tracer);
     for (int k = 0; k < LIGHT_POINTS; k++) {
-        igi_form_factor_pattern(shift, k, 2, x);
+        igi_kronecker(shift, k, 2, x);
         const igi_facet *facet = igi_elements_facet(c->elements, (uint32_t)e,
                                                     (k + shift[2]) / LIGHT_POINTS);
         igi_facet_point(facet, x[0], x[1], margin, point);

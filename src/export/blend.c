@@ -19,6 +19,11 @@
 #define LARGEST_SHARE 0.95
 #define SMALLEST_SHARE 0.01
 
+void igi_export_rgb(const double *value, int bands, double rgb[3])
+{
+    for (int k = 0; k < 3; k++) rgb[k] = value[k < bands ? k : bands - 1];
+}
+
 double igi_export_index(double f0)
 {
     double root = sqrt(fmin(fmax(f0, 0), 0.99));

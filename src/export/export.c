@@ -45,17 +45,6 @@ void igi_export_options_init(igi_export_options *options)
     *options = (igi_export_options){.struct_size = sizeof *options, .format = IGI_EXPORT_GLB};
 }
 
-void igi_export_rgb(const double *value, int bands, double rgb[3])
-{
-    for (int k = 0; k < 3; k++) rgb[k] = value[k < bands ? k : bands - 1];
-}
-
-bool igi_export_is_textured(const igi_scene *scene, const igi_material *m, size_t region)
-{
-    return m->map && m->textured && !m->emitter && scene->mesh.uvs &&
-           scene->regions[region].has_uvs;
-}
-
 /* The main file lies in the folder until both are moved to their places. */
 static igi_status write_files(igi_exporter *e, const format *f, const char *part)
 {

@@ -9,7 +9,7 @@
 #include "lens/lens_private.h"
 #include "scene/colmap_camera.h"
 #include "scene/file_text.h"
-#include "scene/frames.h"
+#include "scene/frame.h"
 
 #include <stdio.h>
 

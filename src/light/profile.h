@@ -20,6 +20,9 @@ bool profile_number(const char **at, double *value);
 /* Room for verticals x horizontals, which are set and in range. */
 IGI_MUST_USE igi_status profile_allocate(igi_context *ctx, profile *p);
 
+/* ANSI/IES LM-63: the text of a .ies file. */
+IGI_MUST_USE igi_status profile_read_ies(igi_context *ctx, const char *path, const char *text,
+                                         profile *p);
 /* EULUMDAT: the text of a .ldt file. */
 IGI_MUST_USE igi_status profile_read_ldt(igi_context *ctx, const char *path, const char *text,
                                          profile *p);

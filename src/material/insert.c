@@ -8,6 +8,7 @@
  */
 #include "material/material.h"
 #include "material/result.h"
+#include "scene/file_text.h"
 #include "scene/mesh.h"
 
 #include <math.h>

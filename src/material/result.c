@@ -6,6 +6,7 @@
 #include "material/result.h"
 #include "material/material.h"
 
+#include "scene/file_text.h"
 #include "scene/mesh.h"
 
 #include <jansson.h>

@@ -4,7 +4,7 @@
  * nodes are baked. Triangles keep the order of the file. Coordinates are taken as they stand in the
  * file: cameras and lights are expected in the same axes. Runs in a process of its own (child.c).
  */
-#include "scene/mesh.h"
+#include "scene/mesh_builder.h"
 
 #include <assimp/cimport.h>
 #include <assimp/material.h>

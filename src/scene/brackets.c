@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/brackets.h"
 
-#include "scene/mesh.h"
+#include "scene/scene_notes.h"
 
 #include <math.h>
 #include <stdlib.h>

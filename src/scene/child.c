@@ -3,7 +3,7 @@
  * Assimp in a child process with limits: whatever a damaged file makes it do, the caller gets a
  * sentence. The child sends its builder through a pipe: status, message, counts, arrays, names.
  */
-#include "scene/mesh.h"
+#include "scene/mesh_builder.h"
 
 #include <errno.h>
 #include <fcntl.h>

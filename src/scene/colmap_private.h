@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What COLMAP's text and binary records share; for colmap.c and colmap_records.c.
+ * What COLMAP's text and binary records share; for colmap*.c.
  */
 #ifndef IGI_SRC_SCENE_COLMAP_PRIVATE_H
 #define IGI_SRC_SCENE_COLMAP_PRIVATE_H
 
-#include "scene/frames.h"
+#include "scene/frame.h"
 
 #define IGI_COLMAP_MAX_PARAMETERS 16
 
@@ -38,6 +38,8 @@ igi_status igi_colmap_fail(const igi_colmap *r, const char *what);
 IGI_MUST_USE igi_status igi_colmap_add_camera(igi_colmap *r, igi_colmap_camera **camera);
 IGI_MUST_USE igi_status igi_colmap_set_camera(const igi_colmap *r, igi_colmap_camera *c,
                                               size_t model, const double *values);
+/* By number, which igi_colmap_add_frame asks for. */
+void igi_colmap_sort_cameras(igi_colmap *r);
 /* pose: the quaternion w x y z, then the translation. */
 IGI_MUST_USE igi_status igi_colmap_add_frame(igi_colmap *r, const double pose[7], uint64_t camera,
                                              const char *name);

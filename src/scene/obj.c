@@ -3,7 +3,7 @@
  * Wavefront OBJ, as far as it concerns triangles: v, vt, f and usemtl. Normals, smoothing, groups,
  * material libraries, lines, points and free-form surfaces are passed over.
  */
-#include "scene/mesh.h"
+#include "scene/mesh_builder.h"
 #include "scene/polygon.h"
 
 #include <string.h>

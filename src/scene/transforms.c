@@ -3,7 +3,7 @@
  * transforms.json as nerfstudio and instant-ngp have it. Other tools write it, with keys of their
  * own: what is not known here is passed over.
  */
-#include "scene/frames.h"
+#include "scene/frame.h"
 #include "scene/json.h"
 
 #include <igi/image.h>

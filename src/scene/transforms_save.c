@@ -2,7 +2,7 @@
  *
  * Cameras as nerfstudio and instant-ngp read them.
  */
-#include "scene/frames.h"
+#include "scene/frame.h"
 #include "base/file.h"
 
 #include <errno.h>

@@ -22,8 +22,9 @@
 #include "specular/yu99.h"
 
 #include "base/parallel.h"
+#include "base/rng.h"
 #include "scene/camera.h"
-#include "transport/form_factor.h"
+#include "transport/mesh_elements.h"
 
 #include <string.h>
 
@@ -161,7 +162,7 @@ static igi_status find_extra(igi_context *ctx, void *user, size_t e, int worker)
     igi_rng rng = igi_rng_make(igi_seed(ctx) + 3, e);
     for (int d = 0; d < 5; d++) shift[d] = (double)igi_rng_float(&rng);
     for (int k = 0; k < EXTRA_RAYS; k++) {
-        igi_form_factor_pattern(shift, k, 4, x);
+        igi_kronecker(shift, k, 4, x);
         const igi_facet *facet = igi_elements_facet(y->coarse->elements, (uint32_t)e,
                                                     (k + shift[4]) / EXTRA_RAYS);
         igi_facet_point(facet, x[0], x[1], margin, point);

@@ -13,9 +13,10 @@
 #include "specular/yu99.h"
 
 #include "base/parallel.h"
+#include "base/rng.h"
 #include "brdf/brdf.h"
 #include "scene/camera.h"
-#include "transport/form_factor.h"
+#include "transport/mesh_elements.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -228,7 +229,7 @@ static void set_up_point(const job *j, size_t i, uint64_t seed)
     if (v.out.z <= 0) return;
     double shift[2] = {(double)igi_rng_float(&rng), (double)igi_rng_float(&rng)}, at[2];
     for (int k = 0; k < LOBE_LINKS + COSINE_LINKS; k++) {
-        igi_form_factor_pattern(shift, k < LOBE_LINKS ? k / 4 : k, 2, at);
+        igi_kronecker(shift, k < LOBE_LINKS ? k / 4 : k, 2, at);
         float x = (float)at[0], y = (float)at[1];
         igi_vec in = k < LOBE_LINKS ? igi_lobe_sample(IGI_WARD, alphas[k % 4], v.out, x, y)
                                     : igi_cosine_direction(igi_v(0, 0, 1), x, y);

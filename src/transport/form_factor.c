@@ -20,16 +20,6 @@ void igi_factor_options_init(igi_factor_options *options, igi_factor_way way)
         .way = way, .rays = 1024, .points = 4, .resolution = 64, .seed = 1};
 }
 
-void igi_form_factor_pattern(const double *shift, int k, int dimensions, double *x)
-{
-    static const double step[4] = {0.8566748838545029, 0.7338918566271260, 0.6287067210378087,
-                                   0.5385972572236101}; /* g^-1 .. g^-4, g = 1.1673039782614187 */
-    for (int d = 0; d < dimensions; d++) {
-        x[d] = shift[d] + (k + 1) * step[d];
-        x[d] -= floor(x[d]);
-    }
-}
-
 void igi_form_factor_row_by_rays(const igi_elements *elements, const igi_tracer *tracer, uint32_t e,
                                  int rays, uint64_t key, double *row)
 {
@@ -38,7 +28,7 @@ void igi_form_factor_row_by_rays(const igi_elements *elements, const igi_tracer 
     for (int d = 0; d < 5; d++) shift[d] = (double)igi_rng_float(&rng);
     const igi_element *element = &elements->elements[e];
     for (int k = 0; k < rays; k++) {
-        igi_form_factor_pattern(shift, k, 4, x);
+        igi_kronecker(shift, k, 4, x);
         const igi_facet *facet = igi_elements_facet(elements, e, (k + shift[4]) / rays);
         double point[3];
         igi_facet_point(facet, x[0], x[1], 4 * epsilon, point);

@@ -47,9 +47,6 @@ IGI_MUST_USE igi_status igi_form_factors(igi_context *ctx, const igi_elements *e
                                          const igi_tracer *tracer,
                                          const igi_factor_options *options, double *factors);
 
-/* Point k of the low-discrepancy pattern of 1 to 4 dimensions, shifted by shift[], in [0,1). */
-void igi_form_factor_pattern(const double *shift, int k, int dimensions, double *x);
-
 /* One row; `row` is zeroed [n]. `key` is that of the random pattern. */
 void igi_form_factor_row_by_rays(const igi_elements *elements, const igi_tracer *tracer, uint32_t e,
                                  int rays, uint64_t key, double *row);

@@ -12,7 +12,6 @@
 #include "transport/hemicube.h"
 
 #include "base/rng.h"
-#include "transport/form_factor.h"
 
 #define FACES 5
 #define MAX_CORNERS 9 /* three, and one more for each of the planes that clip */
@@ -267,7 +266,7 @@ void igi_form_factor_row_by_hemicube(const igi_elements *elements, const igi_hem
     for (int d = 0; d < 4; d++) shift[d] = (double)igi_rng_float(&rng);
     for (int k = 0; k < points; k++) {
         double x[3], point[3], normal[3];
-        igi_form_factor_pattern(shift, k, 3, x);
+        igi_kronecker(shift, k, 3, x);
         const igi_facet *facet = igi_elements_facet(elements, e, (k + shift[3]) / points);
         igi_facet_point(facet, x[0], x[1], 0, point);
         for (int c = 0; c < 3; c++)

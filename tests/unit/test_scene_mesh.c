@@ -4,6 +4,7 @@
  */
 #include "scene_fixture.h"
 
+#include "scene/file_text.h"
 #include "scene/mesh.h"
 #include "trace/trace.h"
 

@@ -3,8 +3,8 @@
  * Cameras out of files. Frames come with the images' paths; whether the images are there is not
  * looked at, except to complete a name without an ending.
  */
-#ifndef IGI_SRC_SCENE_FRAMES_H
-#define IGI_SRC_SCENE_FRAMES_H
+#ifndef IGI_SRC_SCENE_FRAME_H
+#define IGI_SRC_SCENE_FRAME_H
 
 #include "scene/file_text.h"
 
@@ -22,6 +22,7 @@ const char *igi_camera_fault(const igi_camera *camera);
 IGI_MUST_USE igi_status igi_image_path(igi_context *ctx, const char *folder, const char *name,
                                        char **path);
 
+/* The readers; what they leave after a failure, the caller destroys. */
 IGI_MUST_USE igi_status igi_transforms_read(igi_context *ctx, const char *path, igi_frame **frames,
                                             size_t *count);
 IGI_MUST_USE igi_status igi_colmap_read(igi_context *ctx, const char *folder, igi_frame **frames,
