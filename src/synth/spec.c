@@ -3,6 +3,7 @@
  * Reading the spec: names, materials, lights; shapes and views have their own files.
  */
 #include "synth/synth.h"
+
 #include <math.h>
 #include <string.h>
 
