@@ -26,6 +26,10 @@ typedef struct igi_calibration_view {
     char *file;
     double rms_px;
     bool used; /* false: no board was found (rms_px is 0), or it disagrees with the others */
+    /* Corners: place in the photograph, pixels, and how far from where the lens expects it to be. Known
+     * while calibrating; no file keeps them. */
+    size_t corner_count;
+    double (*corners)[4]; /* x y dx dy */
 } igi_calibration_view;
 
 typedef struct igi_calibration {
@@ -68,12 +72,18 @@ typedef struct igi_chessboard {
 } igi_chessboard;
 
 /* Intrinsics and distortion from photographs of a chessboard, at least three of which must show it
- * whole, or enough of it if it has markers. Views that disagree with the others are found and left out. The photographs' size is
- * checked against that of the calibration when *calibration is not NULL; else one is made. */
+ * whole, or enough of it if it has markers. Views that disagree with the others are found and left out; their
+ * rms_px is by the lens of the others. The photographs' size is checked against that of the calibration when *calibration is not NULL; else one is made. */
 IGI_API IGI_MUST_USE igi_status igi_calibrate_chessboard(igi_context *context,
                                                          const char *const *paths, size_t count,
                                                          const igi_chessboard *board,
                                                          igi_calibration **calibration);
+
+/* A picture (SVG) of what the lens leaves: every corner with its residual, and each view's RMS; what was left
+ * out is red. IGI_E_USAGE for a calibration that no board was just calibrated by. */
+IGI_API IGI_MUST_USE igi_status igi_calibration_draw_residuals(igi_context *context,
+                                                               const igi_calibration *calibration,
+                                                               const char *path);
 
 /* Vignetting from photographs of an evenly lit surface that fills the frame, through the
  * calibration's response (linear photographs need none). *calibration as above. */

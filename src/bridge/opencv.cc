@@ -196,26 +196,35 @@ igi_status igi_cv_draw_charuco(igi_context *ctx, const igi_cv_charuco *, int, ui
 }
 #endif
 
+namespace
+{
+
+// The corners of a view that were seen, on the board and in the photograph; which of them they are.
+std::vector<size_t> seen_corners(const igi_cv_views *views, size_t view,
+                                 std::vector<cv::Point3f> &board, std::vector<cv::Point2f> &corners)
+{
+    std::vector<size_t> which;
+    const float *from = views->corners + view * views->points * 2;
+    for (size_t p = 0; p < views->points; p++) {
+        if (std::isnan(from[2 * p])) continue;
+        const float *at = views->board + 3 * p;
+        board.emplace_back(at[0], at[1], at[2]);
+        corners.emplace_back(from[2 * p], from[2 * p + 1]);
+        which.push_back(p);
+    }
+    return which;
+}
+
+} // namespace
+
 igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
                             double parameters[IGI_CV_PARAMETERS],
                             double deviations[IGI_CV_PARAMETERS], double *rms, double *view_rms)
 {
     return guarded(ctx, "calibration", [&] {
-        std::vector<cv::Point3f> board;
-        std::vector<std::vector<cv::Point3f>> boards;
+        std::vector<std::vector<cv::Point3f>> boards(views->count);
         std::vector<std::vector<cv::Point2f>> corners(views->count);
-        for (size_t p = 0; p < views->points; p++)
-            board.emplace_back(views->board[3 * p], views->board[3 * p + 1],
-                               views->board[3 * p + 2]);
-        for (size_t v = 0; v < views->count; v++) {
-            const float *from = views->corners + v * views->points * 2;
-            boards.emplace_back();
-            for (size_t p = 0; p < views->points; p++) {
-                if (std::isnan(from[2 * p])) continue;
-                corners[v].emplace_back(from[2 * p], from[2 * p + 1]);
-                boards[v].push_back(board[p]);
-            }
-        }
+        for (size_t v = 0; v < views->count; v++) seen_corners(views, v, boards[v], corners[v]);
         cv::Mat camera, distortion, intrinsic_deviations, extrinsic_deviations, errors;
         std::vector<cv::Mat> rotations, translations;
         *rms = cv::calibrateCamera(boards, corners, cv::Size(views->width, views->height), camera,
@@ -230,6 +239,31 @@ igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
             deviations[i] = intrinsic_deviations.at<double>(i);
         }
         for (size_t v = 0; v < views->count; v++) view_rms[v] = errors.at<double>(int(v));
+    });
+}
+
+igi_status igi_cv_residuals(igi_context *ctx, const igi_cv_views *views,
+                            const double parameters[IGI_CV_PARAMETERS], float *residuals)
+{
+    const size_t size = views->count * views->points * 2;
+    std::fill_n(residuals, size, std::nanf(""));
+    return guarded(ctx, "residuals", [&] {
+        const cv::Matx33d camera(parameters[0], 0, parameters[2], 0, parameters[1], parameters[3],
+                                 0, 0, 1);
+        const cv::Mat distortion(1, 5, CV_64F, const_cast<double *>(parameters + 4));
+        for (size_t v = 0; v < views->count; v++) {
+            std::vector<cv::Point3f> board;
+            std::vector<cv::Point2f> corners, expected;
+            cv::Mat rotation, translation;
+            const std::vector<size_t> which = seen_corners(views, v, board, corners);
+            cv::solvePnP(board, corners, camera, distortion, rotation, translation);
+            cv::projectPoints(board, rotation, translation, camera, distortion, expected);
+            for (size_t i = 0; i < which.size(); i++) {
+                float *to = residuals + (v * views->points + which[i]) * 2;
+                to[0] = corners[i].x - expected[i].x;
+                to[1] = corners[i].y - expected[i].y;
+            }
+        }
     });
 }
 

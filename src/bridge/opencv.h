@@ -49,6 +49,12 @@ IGI_MUST_USE igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *v
                                          double deviations[IGI_CV_PARAMETERS], double *rms,
                                          double *view_rms);
 
+/* What the lens leaves of each view in its best pose: seen less expected, pixels, residuals[count][points][2];
+ * NaN where a corner was not seen. */
+IGI_MUST_USE igi_status igi_cv_residuals(igi_context *ctx, const igi_cv_views *views,
+                                         const double parameters[IGI_CV_PARAMETERS],
+                                         float *residuals);
+
 /* From a file of OpenCV's (YAML or XML): image_width, image_height, camera_matrix and
  * distortion_coefficients, up to five. */
 IGI_MUST_USE igi_status igi_cv_load_lens(igi_context *ctx, const char *path, int size[2],

@@ -17,7 +17,7 @@ typedef struct cli_values {
     const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
         *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
-        *cache, *peer, *points, *basis, *convert, *charuco, *markers, *lens;
+        *cache, *peer, *points, *basis, *convert, *charuco, *markers, *lens, *residuals;
     double samples, seeds;
     bool aov, png, preview, relight, sigma;              /* relight; report */
     const char *to, *edits, *insert, *forward, *sensors; /* export; relight */

@@ -128,6 +128,8 @@ static igi_status run(cli_session *s)
     if (grid && !(v->square > 0)) return usage("how large are the squares? --square METRES");
     if (v->charuco && !(v->marker > 0 && v->marker < v->square))
         return usage("how large are the markers? --marker METRES, less than --square");
+    if (v->residuals && !grid)
+        return usage("--residuals are those of a board's corners; name the board");
     if (v->charuco) board.markers = v->markers, board.marker_m = v->marker;
     igi_status status = load_present(s, &calibration);
     if (status == IGI_OK)
@@ -138,6 +140,8 @@ static igi_status run(cli_session *s)
                            : igi_calibrate_chessboard(s->context, s->arguments, count, &board,
                                                       &calibration);
     if (status == IGI_OK) status = igi_calibration_save(s->context, calibration, v->output);
+    if (status == IGI_OK && v->residuals)
+        status = igi_calibration_draw_residuals(s->context, calibration, v->residuals);
     cli_progress_clear(&s->progress);
     if (status == IGI_OK && v->json) print_json(s, calibration);
     else if (status == IGI_OK && !v->quiet) {

@@ -64,6 +64,8 @@ static const option options[] = {
      "with --lensfun: the lens, where EXIF does not name it"},
     {"square", 0, REAL, CLI_CALIBRATE, AT(square), "METRES", "0", 0, MANY,
      "side of the board's squares"},
+    {"residuals", 0, TEXT, CLI_CALIBRATE, AT(residuals), "FILE.svg", NULL, 0, 0,
+     "with a board: a picture of what the lens leaves at each corner, and each view's RMS"},
     {"convert", 0, TEXT, CLI_CALIBRATE, AT(convert), "FILE", NULL, 0, 0,
      "lens of OpenCV (.yml, .xml) or COLMAP (cameras.txt, .bin), or igi's; -o .json, .yml or .txt"},
     {"flat", 0, FLAG, CLI_CALIBRATE, AT(flat), NULL, NULL, 0, 0,

@@ -32,11 +32,21 @@ igi_status igi_calibration_create(igi_context *ctx, int width, int height,
     return status;
 }
 
+void igi_calibration_forget_views(igi_calibration *calibration)
+{
+    for (size_t i = 0; i < calibration->view_count; i++) {
+        igi_free(calibration->views[i].file);
+        igi_free(calibration->views[i].corners);
+    }
+    igi_free(calibration->views);
+    calibration->views = NULL;
+    calibration->view_count = 0;
+}
+
 void igi_calibration_destroy(igi_calibration *calibration)
 {
     if (!calibration) return;
-    for (size_t i = 0; i < calibration->view_count; i++) igi_free(calibration->views[i].file);
-    igi_free(calibration->views);
+    igi_calibration_forget_views(calibration);
     igi_free(calibration->camera);
     igi_response_destroy(calibration->response);
     igi_free(calibration);

@@ -11,6 +11,8 @@
 IGI_MUST_USE igi_status igi_calibration_for(igi_context *ctx, const char *path,
                                             const igi_photo *photo, igi_calibration **calibration);
 
+void igi_calibration_forget_views(igi_calibration *calibration);
+
 /* The image that `wanted` would have seen (of the calibration's size; its pose does not matter),
  * made from the one that the calibration's lens threw. NULL: the lens' own pinhole. */
 IGI_MUST_USE igi_status igi_correct_for(igi_context *ctx, const igi_calibration *calibration,

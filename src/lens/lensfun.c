@@ -147,9 +147,7 @@ static igi_status fit_vignetting(igi_context *ctx, lfModifier *modifier, const i
 /* The only "view" is the database's entry. */
 static igi_status name_source(igi_context *ctx, const lfLens *lens, igi_calibration *c)
 {
-    for (size_t i = 0; i < c->view_count; i++) igi_free(c->views[i].file);
-    igi_free(c->views);
-    c->view_count = 0;
+    igi_calibration_forget_views(c);
     IGI_TRY(IGI_ALLOC(ctx, 1, &c->views));
     IGI_TRY(igi_strprintf(ctx, &c->views[0].file, "lensfun: %s", lf_mlstr_get(lens->Model)));
     c->views[0].rms_px = c->rms_px;

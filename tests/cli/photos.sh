@@ -20,6 +20,7 @@ expect 2 'how large are the markers' "$igi" calibrate a.jpg -o x.json --charuco 
 expect 2 'how large are the markers' "$igi" calibrate a.jpg -o x.json --charuco 7x5 --square .03 \
     --marker .04
 expect 2 'one photograph' "$igi" calibrate a.jpg b.jpg -o x.json --lensfun
+expect 2 'name the board' "$igi" calibrate a.jpg --flat -o x.json --residuals x.svg
 expect 2 'name the images' "$igi" calibrate --flat -o x.json
 expect 2 'name no others' "$igi" calibrate --overlap a b.exr -o x.json
 expect 3 'nowhere' "$igi" calibrate --overlap nowhere -o x.json
@@ -46,7 +47,9 @@ expect 3 'DSC_0072.png: false exposures: .*DSC_0075' "$igi" merge -q --list livi
 [ ! -e living.exr ] || fail "living.exr written in spite of false exposures"
 
 expect 0 '' "$igi" calibrate -q --chessboard 9x6 --square .025 "$data"/calib_opencv_left/left0*.jpg \
-    -o left.json
+    -o left.json --residuals left.svg
+[ "$(grep -c '<path stroke="#3465a4"' left.svg)" -eq 9 ] || fail "left.svg does not show nine views"
+grep -q 'left02.jpg' left.svg || fail "left.svg does not name left02.jpg"
 python3 - left.json <<'PYTHON' || fail "left.json is not as it should be"
 import json, sys
 c = json.load(open(sys.argv[1]))
