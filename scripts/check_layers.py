@@ -9,6 +9,7 @@
   - malloc and its family are called in src/base/memory.c (and for the context itself) only
   - each source begins with its licence, and none is longer than 1000 lines
   - the top level holds what it should and nothing that a test left
+  - what a page of text links to exists; README's figures are those of datasets-synthetic/RESULTS.md
 """
 import pathlib
 import re
@@ -82,9 +83,22 @@ def check_top():
             complain(root / name, 1, "does not belong at the top level")
 
 
+def check_texts():
+    for path in sorted(root.glob("*.md")) + sorted(root.glob("[!b.]*/**/*.md")):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", line):
+                if not (path.parent / target).exists():
+                    complain(path, number, f"links to {target}, which does not exist")
+    known = set((root / "datasets-synthetic/RESULTS.md").read_text().splitlines())
+    for number, line in enumerate((root / "README.md").read_text().splitlines(), 1):
+        if re.match(r"\|.*\d\.\d", line) and line not in known:
+            complain(root / "README.md", number, "this row is not in datasets-synthetic/RESULTS.md")
+
+
 def main():
     allowed = read_table()
     check_top()
+    check_texts()
     for path in sorted(p for p in root.glob("src/**/*") if p.suffix in (".c", ".h", ".cc")):
         folder, text = path.relative_to(src).parts[0], path.read_text()
         if folder not in allowed:

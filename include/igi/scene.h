@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * A scene: mesh, regions, lights and calibrated cameras, as read from a folder (formats in
- * README.md, "Files"). Plain data; owned by the igi_scene and freed with it.
+ * include/FORMATS.md). Plain data; owned by the igi_scene and freed with it.
  */
 #ifndef IGI_SCENE_H
 #define IGI_SCENE_H

@@ -100,8 +100,8 @@ static const char *const man_tail[] = {
     "\"dumb\" turns the progress bar into lines. There are no colours, so NO_COLOR has nothing to",
     "do.",
     ".SH FILES",
-    "Lengths are in metres, radiance in W m^\\-2 sr^\\-1, the world is right-handed. README.md,",
-    "\"Files\", has the formats.",
+    "Lengths are in metres, radiance in W m^\\-2 sr^\\-1, the world is right-handed.",
+    "include/FORMATS.md, installed as FORMATS.md, has the formats.",
     ".SH SEE ALSO",
     "Y. Yu, P. Debevec, J. Malik, T. Hawkins: Inverse Global Illumination, SIGGRAPH 1999.",
     NULL};

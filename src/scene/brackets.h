@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * brackets.json: which exposures make which image (README.md, "Files").
+ * brackets.json: which exposures make which image (include/FORMATS.md).
  */
 #ifndef IGI_SRC_SCENE_BRACKETS_H
 #define IGI_SRC_SCENE_BRACKETS_H

@@ -7,7 +7,7 @@
 command -v pkg-config >/dev/null || skip "no pkg-config"
 expect 0 "" cmake --install "$build/.." --prefix "$work/usr"
 for file in bin/igi include/igi/igi.h share/man/man1/igi.1 \
-    share/bash-completion/completions/igi; do
+    share/bash-completion/completions/igi share/doc/igi/FORMATS.md; do
     [ -s "usr/$file" ] || fail "$file is not installed"
 done
 PKG_CONFIG_PATH=$(dirname "$(find usr -name igi.pc)")
