@@ -47,14 +47,25 @@ typedef struct igi_sweep_result {
     size_t breakdown;        /* first point that is too wrong; point_count: none is */
 } igi_sweep_result;
 
+/* A number that a sweep's file, or the chart as a whole, wants to be reached. */
+typedef struct igi_stability_goal {
+    char *what;
+    double wanted, found;
+    bool at_least; /* wanted: or more; else: or less */
+    bool met;
+} igi_stability_goal;
+
 typedef struct igi_stability {
     size_t sweep_count;
     igi_sweep_result *sweeps;
     size_t cases, silent;
+    size_t goal_count;
+    igi_stability_goal *goals;
 } igi_stability;
 
-/* Runs the sweeps and writes into the existing folder: cases.csv (a line a case), stability.csv (a
- * line a severity), stability.svg and .png (small multiples). No times in them: same input and
+/* Runs the sweeps and writes into the existing folder: cases.csv (a line a case), intervals.csv (a line
+ * for each number that a case states with a standard deviation), stability.csv (a line a severity),
+ * wanted.csv (the goals), stability.svg and .png (small multiples). No times in them: same input and
  * seed, same bytes. */
 IGI_API IGI_MUST_USE igi_status igi_chart_stability(igi_context *context,
                                                     const igi_chart_options *options,

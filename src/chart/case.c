@@ -8,8 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define HALF_INTERVAL 1.96 /* of a normal distribution's 95 %, in standard deviations */
-
 /* The case's own context hears of the user's wish to stop through its progress. */
 static bool go_on(void *user, const char *stage, double fraction)
 {
@@ -30,13 +28,24 @@ igi_status chart_own_context(igi_context *ctx, uint64_t seed, igi_context **own)
     return igi_fail(ctx, IGI_E_SYSTEM, "no memory for a context");
 }
 
-static void judge(chart_case *c, double got, double want, double std)
+double chart_interval_sigmas(const chart_interval *i)
 {
-    if (!(std > 0) || isinf(std)) return;
-    double sigmas = fabs(got - want) / std;
-    c->intervals++;
-    c->covered += sigmas <= HALF_INTERVAL;
-    c->worst_sigmas = fmax(c->worst_sigmas, sigmas);
+    return fabs(i->got - i->want) / i->std;
+}
+
+static igi_status judge(igi_context *ctx, const char *region, const char *what, double got,
+                        double want, double std, chart_case *c)
+{
+    if (!(std > 0) || isinf(std)) return IGI_OK;
+    chart_interval *grown = igi_grow(ctx, c->intervals, &c->interval_capacity,
+                                     c->interval_count + 1, sizeof *grown);
+    if (!grown) return IGI_E_SYSTEM;
+    c->intervals = grown;
+    chart_interval *one = &grown[c->interval_count++];
+    *one = (chart_interval){.got = got, .want = want, .std = std};
+    snprintf(one->region, sizeof one->region, "%s", region);
+    snprintf(one->what, sizeof one->what, "%s", what);
+    return IGI_OK;
 }
 
 static const igi_material *find(const igi_materials *materials, const char *region)
@@ -47,18 +56,24 @@ static const igi_material *find(const igi_materials *materials, const char *regi
 }
 
 /* Of a textured region the standard deviation holds its texture too: only lobes are judged. */
-static void judge_intervals(const igi_materials *truth, chart_case *c)
+static igi_status judge_intervals(igi_context *ctx, const igi_materials *truth, chart_case *c)
 {
     for (size_t i = 0; i < c->validation->region_count; i++) {
         const igi_region_error *e = &c->validation->regions[i];
         const igi_material *want = find(truth, e->region), *got = find(c->materials, e->region);
         if (!e->judged || e->missing || !want || !got) continue;
-        for (int b = 0; b < truth->bands && !want->map && !got->textured; b++)
-            judge(c, got->albedo[b], want->albedo[b], got->albedo_std[b]);
+        for (int b = 0; b < truth->bands && !want->map && !got->textured; b++) {
+            char what[16];
+            snprintf(what, sizeof what, "albedo %d", b);
+            IGI_TRY(judge(ctx, e->region, what, got->albedo[b], want->albedo[b], got->albedo_std[b],
+                          c));
+        }
         if (want->model == IGI_LAMBERT || got->model == IGI_LAMBERT) continue;
-        judge(c, got->specular, want->specular, got->specular_std);
-        judge(c, got->alpha, want->alpha, got->alpha_std);
+        IGI_TRY(judge(ctx, e->region, CHART_SPECULAR, got->specular, want->specular,
+                      got->specular_std, c));
+        IGI_TRY(judge(ctx, e->region, "alpha", got->alpha, want->alpha, got->alpha_std, c));
     }
+    return IGI_OK;
 }
 
 static void add_costs(const igi_context *ctx, chart_case *c)
@@ -101,8 +116,7 @@ igi_status chart_case_judge(igi_context *ctx, const igi_materials *truth, chart_
 {
     if (!c->materials) return IGI_OK;
     IGI_TRY(igi_validate_materials(ctx, c->materials, truth, &c->validation));
-    judge_intervals(truth, c);
-    return IGI_OK;
+    return judge_intervals(ctx, truth, c);
 }
 
 igi_status chart_case_run(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,
@@ -118,8 +132,10 @@ void chart_case_clear(chart_case *c)
 {
     igi_materials_destroy(c->materials);
     igi_validation_destroy(c->validation);
+    igi_free(c->intervals);
     c->materials = NULL;
     c->validation = NULL;
+    c->intervals = NULL;
 }
 
 igi_status chart_relit_error(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,

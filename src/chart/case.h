@@ -9,17 +9,30 @@
 
 #include <igi/chart.h>
 
+#define CHART_HALF_INTERVAL 1.96 /* of a normal distribution's 95 %, in standard deviations */
+
+#define CHART_SPECULAR "rho_s"
+
+/* What a result states with a standard deviation, and the truth. */
+typedef struct chart_interval {
+    char region[64], what[16]; /* "albedo 0".., CHART_SPECULAR, "alpha" */
+    double got, want, std;
+} chart_interval;
+
+/* How many standard deviations it is off. */
+double chart_interval_sigmas(const chart_interval *interval);
+
 /* Errors are relative, as igi_validation's; NaN where they do not apply. */
 typedef struct chart_case {
     igi_status status;          /* of the recovery: that igi refuses a scene is a result */
     char message[512];          /* its sentence, when it refused */
     igi_materials *materials;   /* what was found; NULL when it refused */
     igi_validation *validation; /* likewise */
-    size_t intervals, covered;  /* stated 95 % intervals of judged albedos, rho_s and alpha */
-    double worst_sigmas;        /* largest error over its stated standard deviation */
-    double cpu_s;               /* of the whole process while the case ran */
-    size_t photographs;         /* that were read */
-    uint64_t rays, peak_bytes;  /* peak: of the process so far */
+    chart_interval *intervals;  /* [interval_count] of judged albedos, rho_s and alpha */
+    size_t interval_count, interval_capacity;
+    double cpu_s;              /* of the whole process while the case ran */
+    size_t photographs;        /* that were read */
+    uint64_t rays, peak_bytes; /* peak: of the process so far */
 } chart_case;
 
 /* A context of one thread for a part of the work; it hears when the user wants `ctx` to stop. */

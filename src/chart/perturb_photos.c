@@ -245,6 +245,7 @@ static igi_status corrupt(igi_context *ctx, const chart_change *c, double severi
     size_t first = igi_rng_next(&rng) % frames, step = frames / (count ? count : 1);
     for (size_t k = 0; k < count; k++) {
         size_t f = (first + k * step) % frames, next = (f + step) % frames;
+        s->spoilt[f] = true;
         if (strcmp(c->way, "swap") != 0) {
             garble(s->photos[f], c->way, &rng);
         } else if (k + 1 < count) {

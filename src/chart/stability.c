@@ -231,8 +231,8 @@ static void sum_up(const study *s, const chart_sweep *sweep, size_t point, doubl
         p->refused += t->status != IGI_OK;
         p->flagged += chart_trial_sign(t) != NULL;
         p->silent += chart_trial_is_silent(t);
-        intervals += t->intervals;
-        covered += t->covered;
+        intervals += t->interval_count;
+        covered += chart_trial_covered(t);
     }
     p->albedo = median_of(s, sweep, point, offsetof(chart_trial, albedo), values);
     p->albedo_max = median_of(s, sweep, point, offsetof(chart_trial, albedo_max), values);
@@ -279,6 +279,8 @@ static igi_status sum_up_all(const study *s, igi_stability **result)
             all->silent += r->points[p].silent;
         }
     }
+    IGI_TRY_GOTO(
+        chart_goals_judge(s->ctx, s->sweeps, s->sweep_count, s->trials, s->trial_count, all));
     *result = all;
     all = NULL;
 cleanup:
@@ -350,6 +352,8 @@ void igi_stability_destroy(igi_stability *stability)
         igi_free(s->unit);
         igi_free(s->points);
     }
+    for (size_t i = 0; i < stability->goal_count; i++) igi_free(stability->goals[i].what);
+    igi_free(stability->goals);
     igi_free(stability->sweeps);
     igi_free(stability);
 }

@@ -114,8 +114,9 @@ static igi_status read_head(igi_context *ctx, chart_sweep *s)
 igi_status chart_sweep_load(igi_context *ctx, const char *path, const igi_chart_options *options,
                             chart_sweep *s)
 {
-    static const char *const known[] = {"igi_sweep", "name",  "about",      "axis",  "base", "set",
-                                        "perturb",   "model", "severities", "small", "seeds"};
+    static const char *const known[] = {"igi_sweep",  "name",  "about",   "axis",
+                                        "base",       "set",   "perturb", "model",
+                                        "severities", "small", "seeds",   "wanted"};
     *s = (chart_sweep){.seeds = 5};
     IGI_TRY(igi_json_load(ctx, path, &s->file));
     s->root = igi_json_root(&s->file);
@@ -127,6 +128,7 @@ igi_status chart_sweep_load(igi_context *ctx, const char *path, const igi_chart_
     if (s->set.value) IGI_TRY(igi_json_object(ctx, &s->set));
     IGI_TRY(read_change(ctx, &s->root, &s->change));
     IGI_TRY(read_severities(ctx, options->small, s));
+    IGI_TRY(chart_goals_read(ctx, s));
     igi_json seeds = igi_json_member(&s->root, "seeds");
     double count = s->seeds;
     if (seeds.value) IGI_TRY(igi_json_number(ctx, &seeds, &count));
@@ -142,5 +144,6 @@ void chart_sweep_clear(chart_sweep *s)
     igi_free(s->bases);
     igi_free(s->change.regions);
     igi_free(s->severities);
+    igi_free(s->goals);
     if (s->file.root) igi_json_unload(&s->file);
 }

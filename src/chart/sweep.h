@@ -17,6 +17,7 @@ typedef struct chart_subject {
     igi_scene *scene;
     igi_materials *truth;
     igi_image **photos; /* [scene->frame_count] bands and "saturated"; NULL: not asked for */
+    bool *spoilt;       /* [scene->frame_count] no longer what its camera saw; NULL with photos */
     uint64_t seed;
 } chart_subject;
 
@@ -46,6 +47,22 @@ extern const chart_perturbation chart_perturb_photos[], chart_perturb_pixels[],
     chart_perturb_cameras[], chart_perturb_mesh[], chart_perturb_regions[], chart_perturb_lights[],
     chart_perturb_glass[];
 
+/* An element of "wanted" says one of these about a severity. */
+typedef enum chart_measure {
+    CHART_ALBEDO, /* median error of albedo at most so large, */
+    CHART_COST,   /* or what it is beyond the unperturbed room's */
+    CHART_TOLD, /* share of cases at least whose rho_s lies within its interval, or a word was said */
+    CHART_NAMED /* share of the spoilt photographs at least that a warning names */
+} chart_measure;
+
+enum { CHART_MEASURES = 4 };
+
+typedef struct chart_goal {
+    double at; /* the severity */
+    chart_measure measure;
+    double limit;
+} chart_goal;
+
 /* datasets-synthetic/sweeps/NAME.json. */
 typedef struct chart_sweep {
     igi_json_file file;
@@ -59,6 +76,8 @@ typedef struct chart_sweep {
     size_t severity_count;
     double *severities;
     int seeds;
+    size_t goal_count;
+    chart_goal *goals;
     bool in_small; /* has "small" severities, and is part of the small edition */
 } chart_sweep;
 
@@ -66,6 +85,8 @@ typedef struct chart_sweep {
 IGI_MUST_USE igi_status chart_sweep_load(igi_context *ctx, const char *path,
                                          const igi_chart_options *options, chart_sweep *sweep);
 void chart_sweep_clear(chart_sweep *sweep);
+/* "wanted", for chart_sweep_load. */
+IGI_MUST_USE igi_status chart_goals_read(igi_context *ctx, chart_sweep *sweep);
 
 /* A room to make: a spec with the sweep's settings, rendered with a seed; or a scene folder. */
 typedef struct chart_room {

@@ -33,6 +33,7 @@ cleanup:
 static igi_status load_photos(igi_context *ctx, chart_subject *s)
 {
     IGI_TRY(IGI_ALLOC(ctx, s->scene->frame_count, &s->photos));
+    IGI_TRY(IGI_ALLOC(ctx, s->scene->frame_count, &s->spoilt));
     for (size_t f = 0; f < s->scene->frame_count; f++)
         IGI_TRY(load_photo(ctx, s->scene->frames[f].path, s->scene->bands, &s->photos[f]));
     return IGI_OK;
@@ -65,6 +66,7 @@ static void clear_subject(chart_subject *s, size_t photos)
 {
     for (size_t f = 0; s->photos && f < photos; f++) igi_image_destroy(s->photos[f]);
     igi_free(s->photos);
+    igi_free(s->spoilt);
     igi_scene_destroy(s->scene);
     igi_materials_destroy(s->truth);
 }
@@ -132,7 +134,8 @@ cleanup:
     return status;
 }
 
-static igi_status note_result(igi_context *ctx, const chart_case *c, const igi_materials *truth,
+/* Takes over the intervals. */
+static igi_status note_result(igi_context *ctx, chart_case *c, const igi_materials *truth,
                               chart_trial *t)
 {
     t->status = c->status;
@@ -151,8 +154,8 @@ static igi_status note_result(igi_context *ctx, const chart_case *c, const igi_m
     t->models = v->models;
     t->models_right = v->models_right;
     t->intervals = c->intervals;
-    t->covered = c->covered;
-    t->worst_sigmas = c->worst_sigmas;
+    t->interval_count = c->interval_count;
+    c->intervals = NULL;
     IGI_TRY(collect_signs(ctx, c->materials, t));
     return relit_error(ctx, t, truth, c->materials, &t->relit);
 }
@@ -186,6 +189,21 @@ cleanup:
     return status;
 }
 
+/* Warnings about photographs begin with their names. */
+static void count_named(const chart_subject *s, chart_trial *t)
+{
+    char start[256];
+    for (size_t f = 0; s->spoilt && f < s->scene->frame_count; f++) {
+        if (!s->spoilt[f]) continue;
+        int length = snprintf(start, sizeof start, "image %s:", s->scene->frames[f].name);
+        bool named = false;
+        for (size_t i = 0; i < t->sign_count; i++)
+            named |= strncmp(t->signs[i], start, (size_t)length) == 0;
+        t->spoilt++;
+        t->named += named;
+    }
+}
+
 static igi_status run(igi_context *ctx, const char *work, chart_trial *t)
 {
     igi_status status = IGI_OK;
@@ -206,6 +224,7 @@ static igi_status run(igi_context *ctx, const char *work, chart_trial *t)
     }
     if (s.photos) IGI_TRY_GOTO(save_photos(ctx, work, &s));
     status = recover(ctx, &s, t);
+    count_named(&s, t);
     if (s.photos) remove_photos(work, &s);
 cleanup:
     igi_free(truth);
@@ -235,6 +254,7 @@ void chart_trial_clear(chart_trial *t)
     for (size_t i = 0; t->signs && i < t->sign_count; i++) igi_free(t->signs[i]);
     igi_free(t->signs);
     igi_free(t->message);
+    igi_free(t->intervals);
 }
 
 static bool is_alike(const char *a, const char *b)
@@ -259,7 +279,25 @@ const char *chart_trial_sign(const chart_trial *t)
     return NULL;
 }
 
+double chart_trial_worst(const chart_trial *t, const char *what)
+{
+    double worst = 0;
+    for (size_t i = 0; i < t->interval_count; i++)
+        if (!what || strcmp(what, t->intervals[i].what) == 0)
+            worst = fmax(worst, chart_interval_sigmas(&t->intervals[i]));
+    return worst;
+}
+
+size_t chart_trial_covered(const chart_trial *t)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < t->interval_count; i++)
+        n += chart_interval_sigmas(&t->intervals[i]) <= CHART_HALF_INTERVAL;
+    return n;
+}
+
 bool chart_trial_is_silent(const chart_trial *t)
 {
-    return t->status == IGI_OK && t->worst_sigmas > SILENT_SIGMAS && !chart_trial_sign(t);
+    return t->status == IGI_OK && chart_trial_worst(t, NULL) > SILENT_SIGMAS &&
+           !chart_trial_sign(t);
 }

@@ -20,8 +20,10 @@ typedef struct chart_trial {
     bool skipped; /* the sweep does not apply to this room */
     igi_status status;
     char *message; /* when igi refused */
-    double albedo, albedo_median, albedo_max, specular, alpha, relit, worst_sigmas;
-    size_t intervals, covered;
+    double albedo, albedo_median, albedo_max, specular, alpha, relit;
+    size_t spoilt, named;      /* photographs, and those of them that a warning names */
+    chart_interval *intervals; /* [interval_count] */
+    size_t interval_count;
     int models, models_right;
     size_t sign_count; /* warnings */
     char **signs;
@@ -35,10 +37,19 @@ void chart_trial_clear(chart_trial *trial);
 /* The first warning that the unperturbed case does not give, or why it was refused; NULL: igi said
  * nothing. */
 const char *chart_trial_sign(const chart_trial *trial);
+/* The largest error over its standard deviation; of `what` alone unless that is NULL. */
+double chart_trial_worst(const chart_trial *trial, const char *what);
+/* Of its intervals, those that hold the truth. */
+size_t chart_trial_covered(const chart_trial *trial);
 /* An error above three times the stated interval's half width, and not a word. */
 bool chart_trial_is_silent(const chart_trial *trial);
 
-/* cases.csv: a line a trial. */
+/* What the sweeps want, and whether it is so, into `all`. */
+IGI_MUST_USE igi_status chart_goals_judge(igi_context *ctx, const chart_sweep *sweeps,
+                                          size_t sweep_count, chart_trial *const *trials,
+                                          size_t trial_count, igi_stability *all);
+
+/* cases.csv: a line a trial; intervals.csv: a line for each of their intervals. */
 IGI_MUST_USE igi_status chart_trials_save(igi_context *ctx, chart_trial *const *trials,
                                           size_t count, const char *folder);
 

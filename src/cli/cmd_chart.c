@@ -65,6 +65,18 @@ static void print_stability_json(const igi_stability *all)
     puts("}}");
 }
 
+/* As rows of a Markdown table. */
+static void print_goals(const igi_stability *all)
+{
+    puts("\n| what | wanted | found | |\n| --- | ---: | ---: | --- |");
+    for (size_t i = 0; i < all->goal_count; i++) {
+        const igi_stability_goal *goal = &all->goals[i];
+        printf("| %s | %s %g %% | %.3g %% | %s |\n", goal->what,
+               goal->at_least ? ">=" : "<=", 100 * goal->wanted, 100 * goal->found,
+               goal->met ? "PASS" : "MISS");
+    }
+}
+
 static igi_status run_stability(cli_session *s, const igi_chart_options *options,
                                 const char *folder)
 {
@@ -80,6 +92,7 @@ static igi_status run_stability(cli_session *s, const igi_chart_options *options
         printf("\n%zu cases; silent failures: %zu, ", all->cases, all->silent);
         cli_print_percent(share, 0);
         puts("");
+        print_goals(all);
     }
     igi_stability_destroy(all);
     return IGI_OK;

@@ -70,6 +70,13 @@ static igi_status lobes_alone(igi_context *ctx, const igi_materials *all, igi_ma
     return IGI_OK;
 }
 
+static bool any_lobe(const igi_materials *materials)
+{
+    for (size_t i = 0; i < materials->count; i++)
+        if (materials->materials[i].model != IGI_LAMBERT) return true;
+    return false;
+}
+
 igi_status highlights_count(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
                             const igi_materials *materials, const igi_camera *cameras,
                             size_t camera_count, igi_image *const *photos, size_t *pixels)
@@ -79,6 +86,7 @@ igi_status highlights_count(igi_context *ctx, const igi_scene *scene, const igi_
     igi_renderer *renderer = NULL;
     int *region = NULL;
     igi_render_options options;
+    if (!any_lobe(materials)) return IGI_OK;
     igi_render_options_init(&options);
     options.samples = SAMPLES;
     options.max_depth = 2;

@@ -30,7 +30,8 @@ expect 0 'trials' "$igi" chart stability --small --datasets "$datasets" --scenes
     --cache rooms -o out
 stdout '^unperturbed: '
 stdout 'cases; silent failures: '
-for file in cases.csv stability.csv stability.gp manifest.json; do
+stdout '^| corrupted-images, upside-down images 1 of 12: photographs found by name | >= 100 % | 100 % | PASS |'
+for file in cases.csv intervals.csv stability.csv stability.gp wanted.csv manifest.json; do
     [ -s "out/$file" ] || fail "out/$file is missing"
 done
 [ ! -e out/scratch ] || fail "left behind: out/scratch"
@@ -49,6 +50,9 @@ flagged misregistered-cameras 4
 [ "$(value flagged unperturbed 0)" = 0 ] || fail "a sound room is doubted"
 grep -q '^corrupted-images,1,.*image [0-9]*: contradicts' out/cases.csv ||
     fail "the corrupted image is not named"
+grep -q '^<=0.01,0,1,"silent failures, of all cases"' out/wanted.csv || fail "wanted.csv: $(cat out/wanted.csv)"
+grep -q '^unperturbed,0,"small.json",1,"floor",albedo 0,0.4[0-9]*,0.45,' out/intervals.csv ||
+    fail "intervals.csv: $(head -3 out/intervals.csv)"
 silent=$(awk -F, 'NR > 1 { n += $8 } END { print n }' out/stability.csv)
 [ "$silent" = 0 ] || fail "silent failures: $silent"
 
