@@ -237,19 +237,14 @@ static double highest_alpha(igi_model model)
     return model == IGI_PHONG ? fmin(1, 2 * IGI_FIT_ALPHA_HIGH) : IGI_FIT_ALPHA_HIGH;
 }
 
-/* How much of <S_perp, S_perp> lamps bring; `column` is the best one. */
-static igi_status find_lamp_share(igi_context *ctx, igi_profile *f, igi_model model,
-                                  const igi_profile_column *column, igi_lobe_estimate *e)
+/* How much of <S_perp, S_perp> lamps bring, at the table's only roughness. */
+static double find_lamp_share(igi_profile *f, const igi_lobe_table *one)
 {
-    float *lamps = NULL;
-    IGI_TRY(IGI_ALLOC(ctx, f->n * f->bands, &lamps));
-    igi_lobe_table_lamps(f->h, model, e->alpha, lamps);
-    igi_profile_column alone = {lamps, NULL, NULL, f->bands};
-    double all = igi_profile_evaluate(f, column).information;
+    igi_profile_column column = igi_profile_column_of(f, one, 0);
+    igi_profile_column alone = {one->lamps, NULL, NULL, f->bands};
+    double all = igi_profile_evaluate(f, &column).information;
     double part = igi_profile_evaluate(f, &alone).information;
-    e->lamp_share = all > 0 ? fmin(1, fmax(0, part / all)) : 0;
-    igi_free(lamps);
-    return IGI_OK;
+    return all > 0 ? fmin(1, fmax(0, part / all)) : 0;
 }
 
 /* What the residuals do not tell; least of all about a highlight that is sharper than the pixels. */
@@ -303,8 +298,7 @@ static igi_status take_polished(igi_context *ctx, igi_profile *f, igi_lobe_estim
     now.alpha = polished->alpha;
     now.specular = polished->specular;
     for (size_t b = 0; b < f->bands; b++) now.albedo[b] = f->albedo[b];
-    igi_profile_column column = igi_profile_column_of(f, &one, 0);
-    IGI_TRY_GOTO(find_lamp_share(ctx, f, e->model, &column, &now));
+    now.lamp_share = find_lamp_share(f, &one);
     *e = now;
 cleanup:
     igi_lobe_table_clear(&one);

@@ -2,64 +2,133 @@
 #include "specular/lobe_table.h"
 
 #include "base/parallel.h"
-#include "brdf/brdf.h"
+#include "brdf/lobe_pairs.h"
 
 #include <string.h>
 
-#define PIXELS_A_TASK 32
+#define PIXELS_A_TASK 64
+#define LANES IGI_LOBE_LANES
+#define PARTS 3 /* two halves of the directions from lobes, and those to lamps */
 
 typedef struct job {
     const igi_highlights *highlights;
     igi_lobe_table *table;
 } job;
 
-/* Adds the directions begin..end to the pixel's columns. */
-static void add_directions(const igi_highlights *h, const igi_lobe_table *t, size_t i,
-                           const int range[2], float *scale, float *base)
+/* A pixel's directions that carry light, ready for any roughness. */
+typedef struct workspace {
+    igi_lobe_pairs pairs;
+    size_t begin[PARTS + 1]; /* of each part's pairs: multiples of LANES */
+    float *light;            /* [bands][room] incident times weight */
+    float *schlick;          /* [bands][room] the same times (1 - cos)^5, which goes to the base */
+} workspace;
+
+static igi_status create_workspace(igi_context *ctx, const igi_highlights *h, igi_model model,
+                                   workspace *w)
 {
-    size_t bands = (size_t)h->bands;
-    for (int m = range[0]; m < range[1]; m++) {
-        size_t at = i * (size_t)h->samples + (size_t)m;
+    igi_status status = IGI_OK;
+    w->light = NULL;
+    IGI_TRY_GOTO(igi_lobe_pairs_create(ctx, model, (size_t)h->samples + PARTS * LANES, &w->pairs));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * (size_t)h->bands * w->pairs.room, &w->light));
+    w->schlick = w->light + (size_t)h->bands * w->pairs.room;
+cleanup:
+    return status;
+}
+
+static void clear_workspace(workspace *w)
+{
+    igi_lobe_pairs_clear(&w->pairs);
+    igi_free(w->light);
+}
+
+/* Adds the directions begin..end of pixel i. */
+static void add_part(workspace *w, const igi_highlights *h, size_t i, int begin, int end)
+{
+    size_t bands = (size_t)h->bands, room = w->pairs.room;
+    for (int m = begin; m < end; m++) {
+        size_t at = i * (size_t)h->samples + (size_t)m, k = w->pairs.count;
         const igi_direction_sample *d = &h->directions[at];
-        if (!(d->weight > 0)) continue;
-        float s[IGI_TABLE_ALPHAS], b0[IGI_TABLE_ALPHAS], light[IGI_MAX_BANDS];
-        igi_lobe_terms_over(t->model, t->alphas, t->alpha_count, d->in, d->out, s, b0);
-        for (size_t b = 0; b < bands; b++) light[b] = d->weight * h->incident[at * bands + b];
-        for (size_t a = 0; a < t->alpha_count; a++)
-            for (size_t b = 0; b < bands; b++) {
-                scale[a * bands + b] += s[a] * light[b];
-                if (base) base[a * bands + b] += b0[a] * light[b];
-            }
+        if (!(d->weight > 0 && d->in.z > 0 && d->out.z > 0)) continue;
+        igi_lobe_pairs_add(&w->pairs, d->in, d->out);
+        for (size_t b = 0; b < bands; b++)
+            w->light[b * room + k] = d->weight * h->incident[at * bands + b];
+    }
+    size_t carry = w->pairs.count;
+    igi_lobe_pairs_pad(&w->pairs);
+    for (; carry < w->pairs.count; carry++)
+        for (size_t b = 0; b < bands; b++) w->light[b * room + carry] = 0;
+}
+
+/* ggx: the base's part of the light is parted off. */
+static void part_schlick(workspace *w, size_t bands)
+{
+    for (size_t b = 0; b < bands; b++) {
+        float *light = w->light + b * w->pairs.room, *base = w->schlick + b * w->pairs.room;
+        for (size_t k = 0; k < w->pairs.count; k++) {
+            base[k] = light[k] * w->pairs.schlick[k];
+            light[k] -= base[k];
+        }
     }
 }
 
-static void tabulate_pixel(const igi_highlights *h, igi_lobe_table *t, size_t i)
+static void take_pixel(workspace *w, const igi_highlights *h, size_t i)
 {
-    size_t width = t->alpha_count * (size_t)h->bands;
-    float *scale = t->scale + i * width, *noise = t->noise + i * width;
-    float *base = t->base ? t->base + i * width : NULL;
-    const int first[2] = {0, h->lobe_samples / 2};
-    const int second[2] = {h->lobe_samples / 2, h->lobe_samples};
-    const int lamps[2] = {h->lobe_samples, h->samples};
-    add_directions(h, t, i, second, noise, base);
-    add_directions(h, t, i, first, scale, base);
-    for (size_t k = 0; k < width; k++) {
-        float a = scale[k], b = noise[k];
-        scale[k] = a + b;
-        noise[k] = (a - b) * (a - b);
+    const int ends[PARTS + 1] = {0, h->lobe_samples / 2, h->lobe_samples, h->samples};
+    w->pairs.count = w->begin[0] = 0;
+    for (int part = 0; part < PARTS; part++) {
+        add_part(w, h, i, ends[part], ends[part + 1]);
+        w->begin[part + 1] = w->pairs.count;
     }
-    add_directions(h, t, i, lamps, scale, base);
+    igi_lobe_pairs_prepare(&w->pairs);
+    if (w->pairs.model == IGI_GGX) part_schlick(w, (size_t)h->bands);
+}
+
+/* sum x y; a partial sum for each lane. */
+static float product(const float *restrict x, const float *restrict y, size_t count)
+{
+    float sums[4] = {0};
+    for (size_t i = 0; i < count; i += 4)
+        for (size_t k = 0; k < 4; k++) sums[k] += x[i + k] * y[i + k];
+    return (sums[0] + sums[2]) + (sums[1] + sums[3]);
+}
+
+/* One column of one pixel, [bands] each. */
+static void tabulate_column(workspace *w, const igi_lobe_table *t, size_t a, size_t bands,
+                            size_t to)
+{
+    igi_lobe_pairs *p = &w->pairs;
+    const size_t *begin = w->begin;
+    igi_lobe_pairs_evaluate(p, t->alphas[a], 0, p->count);
+    for (size_t b = 0; b < bands; b++) {
+        const float *light = w->light + b * p->room;
+        float part[PARTS];
+        for (int k = 0; k < PARTS; k++)
+            part[k] = product(p->values + begin[k], light + begin[k], begin[k + 1] - begin[k]);
+        t->scale[to + b] = part[0] + part[1] + part[2];
+        t->lamps[to + b] = part[2];
+        t->noise[to + b] = (part[0] - part[1]) * (part[0] - part[1]);
+        if (t->base) t->base[to + b] = product(p->values, w->schlick + b * p->room, p->count);
+    }
 }
 
 static igi_status tabulate(igi_context *ctx, void *user, size_t task, int worker)
 {
-    (void)ctx;
     (void)worker;
     const job *j = user;
-    size_t end = (task + 1) * PIXELS_A_TASK;
-    if (end > j->highlights->count) end = j->highlights->count;
-    for (size_t i = task * PIXELS_A_TASK; i < end; i++) tabulate_pixel(j->highlights, j->table, i);
-    return IGI_OK;
+    const igi_highlights *h = j->highlights;
+    size_t bands = (size_t)h->bands, end = (task + 1) * PIXELS_A_TASK;
+    workspace w;
+    igi_status status = IGI_OK;
+    if (end > h->count) end = h->count;
+    IGI_TRY_GOTO(create_workspace(ctx, h, j->table->model, &w));
+    for (size_t i = task * PIXELS_A_TASK; i < end; i++) {
+        take_pixel(&w, h, i);
+        for (size_t a = 0; a < j->table->alpha_count; a++)
+            tabulate_column(&w, j->table, a, bands, (i * j->table->alpha_count + a) * bands);
+    }
+cleanup:
+    clear_workspace(&w);
+    return status;
 }
 
 igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights,
@@ -72,6 +141,7 @@ igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlig
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->scale));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->noise));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->lamps));
     if (model == IGI_GGX) IGI_TRY_GOTO(IGI_ALLOC(ctx, size, &table->base));
     job j = {highlights, table};
     IGI_TRY_GOTO(igi_parallel_for(ctx, (highlights->count + PIXELS_A_TASK - 1) / PIXELS_A_TASK,
@@ -81,21 +151,11 @@ cleanup:
     return status;
 }
 
-void igi_lobe_table_lamps(const igi_highlights *highlights, igi_model model, double alpha,
-                          float *scale)
-{
-    const igi_highlights *h = highlights;
-    const igi_lobe_table t = {.model = model, .alpha_count = 1, .alphas = {(float)alpha}};
-    const int lamps[2] = {h->lobe_samples, h->samples};
-    memset(scale, 0, h->count * (size_t)h->bands * sizeof *scale);
-    for (size_t i = 0; i < h->count; i++)
-        add_directions(h, &t, i, lamps, scale + i * (size_t)h->bands, NULL);
-}
-
 void igi_lobe_table_clear(igi_lobe_table *table)
 {
     igi_free(table->scale);
     igi_free(table->base);
     igi_free(table->noise);
+    igi_free(table->lamps);
     *table = (igi_lobe_table){.model = IGI_LAMBERT};
 }

@@ -17,14 +17,12 @@ typedef struct igi_lobe_table {
     size_t alpha_count;
     float alphas[IGI_TABLE_ALPHAS]; /* rising */
     float *scale, *base, *noise;
+    float *lamps; /* the part of scale that comes straight from lamps */
 } igi_lobe_table;
 
 IGI_MUST_USE igi_status igi_lobe_table_create(igi_context *ctx, const igi_highlights *highlights,
                                               igi_model model, const double *alphas,
                                               size_t alpha_count, igi_lobe_table *table);
-/* The part of scale at one roughness that comes straight from lamps: [count][bands]. */
-void igi_lobe_table_lamps(const igi_highlights *highlights, igi_model model, double alpha,
-                          float *scale);
 void igi_lobe_table_clear(igi_lobe_table *table);
 
 #endif
