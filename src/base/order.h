@@ -28,4 +28,17 @@ static inline double igi_median(double *values, size_t count)
     return (values[(count - 1) / 2] + values[count / 2]) / 2;
 }
 
+/* Of pairs of a value and its weight, which it sorts; count > 0. */
+static inline double igi_weighted_median(double (*pairs)[2], size_t count)
+{
+    double all = 0, below = 0;
+    qsort(pairs, count, sizeof *pairs, igi_compare_doubles);
+    for (size_t i = 0; i < count; i++) all += pairs[i][1];
+    for (size_t i = 0; i + 1 < count; i++) {
+        below += pairs[i][1];
+        if (2 * below >= all) return pairs[i][0];
+    }
+    return pairs[count - 1][0];
+}
+
 #endif

@@ -1,17 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * With residuals d_i = pi L_i - rho E_i, summed over cells c of neighbouring places,
- *     var(rho) = n/(n-1) sum_c (sum_{i in c} w_i d_i)^2 / (sum_i w_i E_i)^2,   n cells,
- * the sandwich of a ratio estimator that allows errors to be alike within a cell.
+ *     var(rho) = 1 / (1 - sum_c h_c^2) sum_c (sum_{i in c} w_i d_i)^2 / (sum_i w_i E_i)^2,
+ * h_c the share of a cell in the light that the region receives: the sandwich of a ratio estimator
+ * that allows errors to be alike within a cell. Of a few cells it says next to nothing: their
+ * residuals add up to zero, and two may both be near it. Then the places by themselves are believed,
+ * whose variance is that of many, times how far neighbours' errors are alike in the other regions
+ * (the design effect of surveys; Kish 1965).
  */
 #include "diffuse/region_sums.h"
 
+#include "base/order.h"
 #include "diffuse/cells.h"
 
 #include <string.h>
 
 /* What is said of a region that nothing determines: anything in 0..1 may be true. */
 #define UNKNOWN_STD 0.3
+/* What the other regions say of neighbours, in cells of a region's own. */
+#define OTHERS_CELLS 8.0
 
 struct igi_region_sums {
     const igi_problem *problem;
@@ -129,51 +136,110 @@ double igi_region_sums_albedo(igi_region_sums *sums, const igi_places *places,
     return change;
 }
 
-/* Residuals of each cell: [cells][bands]. */
+/* How residuals scatter over a region, in a band: sums of their squares, and of the squares of what
+ * was received. */
+typedef struct scatter {
+    double of_cells, of_places, cells_received, places_received;
+} scatter;
+
+/* Residuals of each cell and what it received: sums[cells][bands][2]. */
 static void add_residuals(const igi_region_sums *s, const igi_places *places,
-                          const igi_cells *cells, double (*albedo)[IGI_MAX_BANDS], double *residual)
+                          const igi_cells *cells, double (*albedo)[IGI_MAX_BANDS],
+                          double (*sums)[2], scatter *scatters)
 {
     size_t bands = (size_t)s->problem->bands;
     for (size_t i = 0; i < places->count; i++) {
         uint32_t cell = cells->of_place[i];
         if (cell == IGI_NO_CELL) continue;
-        for (size_t b = 0; b < bands; b++)
-            residual[cell * bands + b] += (double)places->weight[i] *
-                                          (IGI_PI * (double)places->radiance[i * bands + b] -
-                                           albedo[cells->region[cell]][b] *
-                                               (double)places->irradiance[i * bands + b]);
+        for (size_t b = 0; b < bands; b++) {
+            uint32_t r = cells->region[cell];
+            double received = (double)places->weight[i] * (double)places->irradiance[i * bands + b];
+            double d = (double)places->weight[i] * IGI_PI *
+                           (double)places->radiance[i * bands + b] -
+                       albedo[r][b] * received;
+            scatter *region = &scatters[r * bands + b];
+            region->of_places += d * d;
+            region->places_received += received * received;
+            sums[cell * bands + b][0] += d;
+            sums[cell * bands + b][1] += received;
+        }
     }
+    for (size_t k = 0; k < cells->count * bands; k++) {
+        scatter *region = &scatters[cells->region[k / bands] * bands + k % bands];
+        region->of_cells += sums[k][0] * sums[k][0];
+        region->cells_received += sums[k][1] * sums[k][1];
+    }
+}
+
+/* 1 - sum h^2, times as many as there seem to be: what is free of n alike is n - 1. */
+static double freedom(double squares, double received)
+{
+    return received > 0 ? fmax(0, 1 - squares / (received * received)) : 0;
+}
+
+static double alone(const scatter *s, double received)
+{
+    double free = freedom(s->places_received, received);
+    return free > 0 ? s->of_places / free : 0;
+}
+
+/* By how much neighbours' likeness raises the variance. Returns the cells that say so, less one. */
+static double likeness(const scatter *s, double received, double *times)
+{
+    double free = freedom(s->cells_received, received), single = alone(s, received);
+    if (!(free > 0) || !(single > 0)) return 0;
+    *times = s->of_cells / free / single;
+    return free * received * received / s->cells_received;
+}
+
+/* The median over the regions' cells: a texture, or a lobe that was missed, is alike in neighbours
+ * as no other region's errors are. `pairs` is scratch. */
+static double usual_likeness(const igi_region_sums *s, const scatter *scatters, double (*pairs)[2])
+{
+    size_t bands = (size_t)s->problem->bands, n = 0;
+    for (size_t k = 0; k < s->problem->scene->region_count * bands; k++) {
+        pairs[n][1] = likeness(&scatters[k], s->received[k / bands][k % bands], &pairs[n][0]);
+        n += pairs[n][1] > 0;
+    }
+    return n > 0 ? igi_weighted_median(pairs, n) : 1;
+}
+
+static double std_of(const scatter *s, double received, double usual)
+{
+    double times = 0, cells = likeness(s, received, &times), single = alone(s, received);
+    if (!(received > 0) || !(single > 0)) return UNKNOWN_STD;
+    times = (cells * times + OTHERS_CELLS * usual) / (cells + OTHERS_CELLS);
+    return sqrt(single * times) / received;
 }
 
 igi_status igi_region_sums_std(igi_context *ctx, igi_region_sums *sums, const igi_places *places,
                                igi_diffuse *diffuse)
 {
     igi_cells cells = {0};
-    double *residual = NULL;
+    scatter *scatters = NULL;
+    double(*of_cells)[2] = NULL, (*pairs)[2] = NULL;
     size_t regions = sums->problem->scene->region_count, bands = (size_t)sums->problem->bands;
     igi_status status = IGI_OK;
     add_up(sums, places);
     IGI_TRY_GOTO(igi_cells_create(ctx, sums->problem, places, &cells));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, cells.count * bands, &residual));
-    add_residuals(sums, places, &cells, diffuse->albedo, residual);
-    for (size_t r = 0; r < regions; r++)
-        for (size_t b = 0; b < bands; b++) diffuse->albedo_std[r][b] = 0;
-    for (size_t i = 0; i < cells.count; i++)
-        for (size_t b = 0; b < bands; b++)
-            diffuse->albedo_std[cells.region[i]][b] += residual[i * bands + b] *
-                                                       residual[i * bands + b];
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, cells.count * bands, &of_cells));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions * bands, &scatters));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions * bands + 1, &pairs));
+    add_residuals(sums, places, &cells, diffuse->albedo, of_cells, scatters);
+    double usual = usual_likeness(sums, scatters, pairs);
     for (size_t r = 0; r < regions; r++) {
+        bool lamp = sums->problem->scene->regions[r].emitter;
         diffuse->determined[r] = is_determined(sums, r);
-        double n = (double)cells.of_region[r];
-        for (size_t b = 0; b < bands; b++) {
-            double received = sums->received[r][b], *std = &diffuse->albedo_std[r][b];
-            *std = received > 0 && n > 1 ? sqrt(n / (n - 1) * *std) / received : UNKNOWN_STD;
-            if (sums->problem->scene->regions[r].emitter) *std = 0;
-        }
+        for (size_t b = 0; b < bands; b++)
+            diffuse->albedo_std[r][b] = lamp ? 0
+                                             : std_of(&scatters[r * bands + b],
+                                                      sums->received[r][b], usual);
     }
 cleanup:
     igi_cells_clear(&cells);
-    igi_free(residual);
+    igi_free(scatters);
+    igi_free(of_cells);
+    igi_free(pairs);
     return status;
 }
 

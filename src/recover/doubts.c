@@ -46,20 +46,12 @@ igi_status igi_doubt_say(igi_context *ctx, igi_materials *m, char *sentence)
 static double typical_trend(const igi_residuals *r, double (*pairs)[2])
 {
     size_t n = 0;
-    double all = 0, below = 0;
     for (size_t i = 0; i < r->region_count; i++) {
         if (r->regions[i].sides < FEWEST_SIDES || !r->regions[i].calm) continue;
         pairs[n][0] = r->regions[i].trend;
         pairs[n++][1] = r->regions[i].sides;
-        all += r->regions[i].sides;
     }
-    if (n < FEWEST_REGIONS) return 0;
-    qsort(pairs, n, sizeof *pairs, igi_compare_doubles);
-    for (size_t i = 0; i < n; i++) {
-        below += pairs[i][1];
-        if (2 * below >= all) return pairs[i][0];
-    }
-    return 0;
+    return n < FEWEST_REGIONS ? 0 : igi_weighted_median(pairs, n);
 }
 
 static igi_status doubt_lights(igi_context *ctx, double trend, igi_materials *m)
