@@ -27,7 +27,8 @@ typedef struct igi_region {
     char *name;            /* the mesh's material */
     bool emitter;          /* emits and reflects nothing */
     igi_tristate textured; /* IGI_AUTO: as the photographs show it */
-    bool has_uvs;          /* every triangle of it has texture coordinates of non-zero area */
+    bool has_uvs;          /* every triangle of it has texture coordinates, most of its area more
+                              than a line or a point of them */
     bool uvs_wrap;         /* its texture coordinates leave [0,1]: textures repeat */
 } igi_region;
 

@@ -76,13 +76,12 @@ static igi_status fine_size(igi_context *ctx, const job *j, uint32_t region, int
             if (seen++ % step) continue;
             size_t i = p->order[n], frame = 0;
             while (i >= o->frame_begin[frame + 1]) frame++;
-            prints[count++] = igi_footprint(p, frame, o->surface[i], o->uv[2 * i],
-                                            o->uv[2 * i + 1]) *
-                              uv_per_metre(j->layout, igi_surface_triangle(o->surface[i]));
+            float print = igi_footprint(p, frame, o->surface[i], o->uv[2 * i], o->uv[2 * i + 1]) *
+                          uv_per_metre(j->layout, igi_surface_triangle(o->surface[i]));
+            if (print > 0) prints[count++] = print; /* collapsed coordinates resolve nothing */
         }
     qsort(prints, count, sizeof *prints, igi_compare_floats);
-    *size = count > 0 && prints[count / 4] > 0 ? power_of_two(1 / prints[count / 4], LARGEST)
-                                               : SMALLEST;
+    *size = count > 0 ? power_of_two(1 / prints[count / 4], LARGEST) : SMALLEST;
     igi_free(prints);
     return IGI_OK;
 }

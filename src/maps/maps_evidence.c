@@ -15,6 +15,7 @@
 #include "maps/maps_private.h"
 
 #include "base/order.h"
+#include "specular/lobe_view.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -71,8 +72,10 @@ static bool take_patch(evidence *e, uint32_t side)
         taken[frame % 2]++;
     }
     if (taken[0] == 0 || taken[1] == 0) return false;
+    const float *lobe = p->lobes ? p->lobes->correction->seen + side * (size_t)p->bands : NULL;
     for (int h = 0; h < 2; h++)
-        for (int b = 0; b < p->bands; b++) to->half[h][b] *= IGI_PIF / (float)taken[h];
+        for (int b = 0; b < p->bands; b++)
+            to->half[h][b] = IGI_PIF * (to->half[h][b] / (float)taken[h] - (lobe ? lobe[b] : 0));
     return true;
 }
 

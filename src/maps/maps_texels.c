@@ -109,13 +109,13 @@ static void keep(igi_texels *t, float x, float y, float weight, const sample *s)
     }
 }
 
-/* Side of a texel on the surface, metres. */
+/* Side of a texel on the surface, metres; without end where the texture's coordinates are collapsed. */
 static float texel_side(const igi_layout *layout, uint32_t triangle, int size)
 {
     const float *t = layout->uvs + 6 * (size_t)triangle;
     float area = 0.5f * fabsf((t[2] - t[0]) * (t[5] - t[1]) - (t[3] - t[1]) * (t[4] - t[0]));
     return area > 0 ? sqrtf(igi_triangle_area(&layout->scene->mesh, triangle) / area) / (float)size
-                    : 0;
+                    : HUGE_VALF;
 }
 
 static float mean_of(const float *x, size_t bands)

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "lens/photographs.h"
+#include "observe/cover.h"
 #include "observe/visible.h"
 
 #include <igi/image.h>
@@ -23,8 +24,9 @@
 #define ALL_BACK 0.9
 #define FEW_BACK 0.5
 
-/* A region of fewer clean pixels is too small to be without those near its edges: the next grade
- * of them (igi_visible) counts as well, and so on. Twenty are better than hundreds that mix. */
+/* A region of fewer clean pixels is too small to be without those near its edges: rays through each
+ * of its pixels tell which show it alone. Where that leaves fewer than twenty, the next grade counts
+ * as well (igi_visible), and so on: twenty are better than hundreds that mix. */
 #define FEWEST_PIXELS 20
 #define FEWEST_OF_PLENTY 200
 #define GRADES 4
@@ -51,6 +53,7 @@ typedef struct job {
     frame_pixels *frames;
     igi_registration *registrations;
     double *saturated;
+    bool *scarce; /* [regions] */
 } job;
 
 static float mean_of_finite(const igi_image *image, int bands)
@@ -230,25 +233,55 @@ static void drop_pixels(const job *j, frame_pixels *f, const uint8_t *highest)
     f->grade = NULL;
 }
 
+/* Of a region that has few clean pixels, each is judged by rays of its own. */
+static igi_status regrade(igi_context *ctx, void *user, size_t frame, int worker)
+{
+    (void)worker;
+    const job *j = user;
+    frame_pixels *f = &j->frames[frame];
+    const igi_camera *camera = &j->scene->frames[frame].camera;
+    size_t rays = 0;
+    for (size_t i = 0; i < f->count; i++) {
+        if (!j->scarce[j->scene->mesh.regions[igi_surface_triangle(f->surface[i])]]) continue;
+        igi_cover cover = igi_cover_of(j->scene, j->tracer, camera, f->pixel[i], &rays);
+        if (cover == IGI_COVER_WIDE) f->grade[i] = 0;
+        else if (cover == IGI_COVER_WHOLE) f->grade[i] = 1;
+        else if (f->grade[i] < 2) f->grade[i] = 2;
+    }
+    igi_count_rays(ctx, rays);
+    return IGI_OK;
+}
+
+/* Pixels of each region by grade: counts[regions][GRADES]. */
+static void count_grades(const job *j, size_t *counts)
+{
+    memset(counts, 0, j->scene->region_count * GRADES * sizeof *counts);
+    for (size_t k = 0; k < j->scene->frame_count; k++)
+        for (size_t i = 0; i < j->frames[k].count; i++) {
+            uint32_t triangle = igi_surface_triangle(j->frames[k].surface[i]);
+            counts[j->scene->mesh.regions[triangle] * GRADES + j->frames[k].grade[i]]++;
+        }
+}
+
 /* Pixels near edges go, but for regions that have no others to speak of. */
-static igi_status drop_edges(igi_context *ctx, job *j, bool *scarce)
+static igi_status drop_edges(igi_context *ctx, job *j)
 {
     size_t regions = j->scene->region_count, *counts = NULL;
     uint8_t *highest = NULL;
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions * GRADES, &counts));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &highest));
-    for (size_t k = 0; k < j->scene->frame_count; k++)
-        for (size_t i = 0; i < j->frames[k].count; i++) {
-            uint32_t triangle = igi_surface_triangle(j->frames[k].surface[i]);
-            counts[j->scene->mesh.regions[triangle] * GRADES + j->frames[k].grade[i]]++;
-        }
+    count_grades(j, counts);
+    for (size_t r = 0; r < regions; r++) /* a lamp's edges are the worst */
+        j->scarce[r] = counts[r * GRADES] < FEWEST_OF_PLENTY && !j->scene->regions[r].emitter;
+    IGI_TRY_GOTO(igi_parallel_for(ctx, j->scene->frame_count, regrade, j));
+    count_grades(j, counts);
     for (size_t r = 0; r < regions; r++) {
         size_t sum = counts[r * GRADES];
-        scarce[r] = sum < FEWEST_OF_PLENTY;
+        j->scarce[r] = sum < FEWEST_OF_PLENTY;
         while (sum < FEWEST_PIXELS && highest[r] + 1 < GRADES)
             sum += counts[r * GRADES + ++highest[r]];
-        if (j->scene->regions[r].emitter) highest[r] = 0; /* a lamp's edges are the worst */
+        if (j->scene->regions[r].emitter) highest[r] = 0;
     }
     for (size_t k = 0; k < j->scene->frame_count; k++) drop_pixels(j, &j->frames[k], highest);
 cleanup:
@@ -349,7 +382,8 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &o->scarce));
-    IGI_TRY_GOTO(drop_edges(ctx, &j, o->scarce));
+    j.scarce = o->scarce;
+    IGI_TRY_GOTO(drop_edges(ctx, &j));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
     IGI_TRY_GOTO(join_outlines(ctx, &j, o));
     *observations = o;

@@ -30,13 +30,13 @@ static igi_status check_indices(const igi_mesh_builder *b)
     return IGI_OK;
 }
 
-/* No area as far as floats can tell: lower than 1e-7 of its longest side. */
-static bool has_area(const igi_mesh_builder *b, const igi_face *f)
+/* Twice the area of a triangle; *longest: the square of its longest side. */
+static double double_area(const float *positions, const uint32_t *vertex, double *longest_side)
 {
     double e[3][3], longest = 0;
     for (int k = 0; k < 3; k++) {
-        const float *p = b->positions + 3 * (size_t)f->vertex[k];
-        const float *q = b->positions + 3 * (size_t)f->vertex[(k + 1) % 3];
+        const float *p = positions + 3 * (size_t)vertex[k];
+        const float *q = positions + 3 * (size_t)vertex[(k + 1) % 3];
         double squared = 0;
         for (int i = 0; i < 3; i++) {
             e[k][i] = (double)q[i] - (double)p[i];
@@ -46,7 +46,15 @@ static bool has_area(const igi_mesh_builder *b, const igi_face *f)
     }
     double c[3] = {e[0][1] * e[1][2] - e[0][2] * e[1][1], e[0][2] * e[1][0] - e[0][0] * e[1][2],
                    e[0][0] * e[1][1] - e[0][1] * e[1][0]};
-    return sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) > 1e-7 * longest;
+    *longest_side = longest;
+    return sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+}
+
+/* No area as far as floats can tell: lower than 1e-7 of its longest side. */
+static bool has_area(const igi_mesh_builder *b, const igi_face *f)
+{
+    double longest, area = double_area(b->positions, f->vertex, &longest);
+    return area > 1e-7 * longest;
 }
 
 static igi_status drop_degenerate(igi_mesh_builder *b, igi_scene *scene)
@@ -80,12 +88,28 @@ static void take_uvs(const igi_mesh_builder *b, igi_scene *scene, size_t triangl
         if (f->uv[k] == IGI_NO_UV) all = false;
         else memcpy(uv[k], b->uvs + 2 * (size_t)f->uv[k], sizeof uv[k]);
     }
-    float area = (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) -
-                 (uv[1][1] - uv[0][1]) * (uv[2][0] - uv[0][0]);
-    if (!all || !(area != 0)) region->has_uvs = false;
+    if (!all) region->has_uvs = false;
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 2; i++) /* a rounded 0 or 1 is inside */
             if (uv[k][i] < -1e-4f || uv[k][i] > 1.0001f) region->uvs_wrap = true;
+}
+
+/* A triangle whose texture coordinates are collapsed to a line or a point has one colour along it: that is
+ * a texture as well, as long as most of the region's area has more. */
+static igi_status check_uvs(const igi_mesh_builder *b, igi_scene *scene)
+{
+    const igi_mesh *mesh = &scene->mesh;
+    double *spread; /* [regions] area whose coordinates are spread out, less that of the others */
+    IGI_TRY(IGI_ALLOC(b->ctx, scene->region_count, &spread));
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        double side, surface = double_area(mesh->positions, mesh->triangles + 3 * t, &side);
+        const float *uv = mesh->uvs + 6 * t;
+        float area = (uv[2] - uv[0]) * (uv[5] - uv[1]) - (uv[3] - uv[1]) * (uv[4] - uv[0]);
+        spread[mesh->regions[t]] += area != 0 ? surface : -surface;
+    }
+    for (size_t r = 0; r < scene->region_count; r++) scene->regions[r].has_uvs &= spread[r] > 0;
+    igi_free(spread);
+    return IGI_OK;
 }
 
 /* Regions in the order in which triangles name them; those without a triangle vanish. */
@@ -127,7 +151,7 @@ static igi_status finish(igi_mesh_builder *b, igi_scene *scene)
         memcpy(mesh->triangles + 3 * i, b->faces[i].vertex, sizeof b->faces[i].vertex);
         if (mesh->uvs) take_uvs(b, scene, i);
     }
-    return IGI_OK;
+    return mesh->uvs ? check_uvs(b, scene) : IGI_OK;
 }
 
 igi_status igi_mesh_load(igi_context *ctx, igi_scene *scene, const char *path)

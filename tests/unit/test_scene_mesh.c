@@ -252,13 +252,17 @@ static void texture_coordinates(void)
 {
     igi_scene *s = obj_of(SQUARE "vt 0 0\nvt 1.00001 0\nvt 1 1\nvt 2.5 1\nvt -1 0\nvt .5\n"
                                  "usemtl in\nf 1/1 2/2 3/3\nusemtl wrap\nf 1/1 2/2 3/4\n"
-                                 "usemtl left\nf 1/1 2/5 3/4\nusemtl flat\nf 1/1 2/2 3/6\n");
-    CHECK(s && s->region_count == 4);
+                                 "usemtl left\nf 1/1 2/5 3/4\nusemtl flat\nf 1/1 2/2 3/6\n"
+                                 "v 0 0 .9\nv 0 0 1.1\nusemtl less\nf 1/1 2/2 3/3\nf 1/1 2/1 5/1\n"
+                                 "usemtl more\nf 1/1 2/2 3/3\nf 1/1 2/1 6/1\n");
+    CHECK(s && s->region_count == 6);
     if (s) {
         CHECK(s->regions[0].has_uvs && !s->regions[0].uvs_wrap);
         CHECK(s->regions[1].has_uvs && s->regions[1].uvs_wrap);
         CHECK(s->regions[2].has_uvs && s->regions[2].uvs_wrap);
         CHECK(!s->regions[3].has_uvs && !s->regions[3].uvs_wrap); /* on a line: no area */
+        CHECK(s->regions[4].has_uvs &&
+              !s->regions[5].has_uvs); /* less, more than half on a point */
     }
     finish();
 }
