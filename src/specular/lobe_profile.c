@@ -17,9 +17,7 @@
  */
 #include "specular/lobe_profile.h"
 
-#include "base/order.h"
-
-#include <stdlib.h>
+#include <stddef.h>
 #include <string.h>
 
 #define OUTLIER_SIGMAS 4.0
@@ -33,6 +31,7 @@ igi_status igi_profile_create(igi_context *ctx, const igi_highlights *highlights
     igi_status status = IGI_OK;
     *profile = (igi_profile){.h = highlights, .bands = bands, .n = n};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &profile->weight));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &profile->start));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * n * bands, &profile->scratch));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands * 3, &profile->sums));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands, &profile->albedo));
@@ -45,6 +44,7 @@ cleanup:
 void igi_profile_clear(igi_profile *profile)
 {
     igi_free(profile->weight);
+    igi_free(profile->start);
     igi_free(profile->scratch);
     igi_free(profile->sums);
     igi_free(profile->albedo);
@@ -129,11 +129,25 @@ static double prediction(const igi_profile *f, const igi_profile_column *c, doub
            specular * s + base;
 }
 
+/* The upper median, by Hoare's FIND in Wirth's form (1976): the rest need not be sorted. */
 static double median_of(float *x, size_t n)
 {
-    if (n == 0) return 0;
-    qsort(x, n, sizeof *x, igi_compare_floats);
-    return (double)x[n / 2];
+    ptrdiff_t low = 0, high = (ptrdiff_t)n - 1, middle = (ptrdiff_t)(n / 2);
+    while (low < high) {
+        float pivot = x[middle];
+        ptrdiff_t i = low, j = high;
+        do {
+            while (x[i] < pivot) i++;
+            while (pivot < x[j]) j--;
+            if (i > j) break;
+            float kept = x[i];
+            x[i++] = x[j];
+            x[j--] = kept;
+        } while (i <= j);
+        if (j < middle) low = i;
+        if (middle < i) high = j;
+    }
+    return n > 0 ? (double)x[middle] : 0;
 }
 
 static double loss_of(double sigmas)

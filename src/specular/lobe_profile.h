@@ -11,6 +11,7 @@ typedef struct igi_profile {
     const igi_highlights *h;
     size_t bands, n;
     float *weight;  /* [count][bands] one over the variance of a residual */
+    float *start;   /* [count][bands] the weights that a search begins with: the caller's */
     float *scratch; /* [2][count][bands] */
     double *sums;   /* [groups][bands][3]: <E,E>, <y,E>, <S,E> */
     double *albedo; /* [groups][bands] of the last evaluation */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * The kernel of the lobe fit on random small problems, no rays: never a number that is not finite,
- * never worse than a dense search over roughness. `test_lobe_fit_many N` runs N of them.
+ * never worse than a dense search over roughness. `test_lobe_fit_many COUNT FIRST` runs COUNT of them
+ * from number FIRST on; a single one tells more of itself. `scripts/lobe_fits` runs a million.
  */
 #include "test.h"
 
@@ -14,6 +15,8 @@
 #define DIRECTIONS 8
 #define BANDS 3
 #define DENSE 100
+
+static uint64_t wanted = 2000, first;
 
 /* Storage of one problem. */
 typedef struct problem {
@@ -136,7 +139,7 @@ static igi_profile_outcome fit_at(igi_context *ctx, igi_profile *f, igi_model mo
  * the latter, and how much likelier it is with weights of its own (than the lobe that was found, or
  * than none where the fit calls that likelier): the lesser of both, in units of -2 ln likelihood. A
  * thousandth of what the lobe explains is forgiven: tables are interpolated. */
-static double excess(igi_context *ctx, problem *p, const igi_lobe_estimate *e, double *at)
+static double excess(igi_context *ctx, const problem *p, const igi_lobe_estimate *e, double *at)
 {
     const igi_profile_column none = {NULL, NULL, NULL, 0};
     igi_profile f;
@@ -152,27 +155,28 @@ static double excess(igi_context *ctx, problem *p, const igi_lobe_estimate *e, d
         worst = better;
         *at = alpha;
     }
-    if (getenv("DBG"))
-        printf("  found %.6g misfit %.5g dev %.5g noise %.3g explained %.4g worst %.4g at %.4g\n",
-               e->alpha, found, deviance, p->noise, explained, worst, *at);
+    if (wanted == 1)
+        printf(
+            "found: alpha %.6g, misfit %.6g of %.6g without a lobe, deviance %.6g (its own %.6g, "
+            "%.6g without); least misfit at %.6g: %.6g less\n",
+            e->alpha, found, found + explained, deviance, e->deviance, e->plain_deviance, *at,
+            worst);
     worst -= 1e-3 * fmax(0, explained);
     if (worst > 1) {
         (void)fit_at(ctx, &f, p->model, *at, true, &other);
         deviance = fmin(deviance, fmin(e->deviance, e->plain_deviance));
-        if (getenv("DBG")) printf("  other dev %.5g\n", other);
+        if (wanted == 1) printf("deviance there %.6g\n", other);
         worst = fmin(worst, deviance - other);
     }
     igi_profile_clear(&f);
     return worst;
 }
 
-static uint64_t wanted = 2000;
-
 static void never_worse(void)
 {
     igi_context *ctx = test_context(1);
     uint64_t worse = 0, judged = 0;
-    for (uint64_t i = getenv("DBG") ? (uint64_t)atoi(getenv("DBG")) : 0; i < wanted; i++) {
+    for (uint64_t i = first; i < first + wanted; i++) {
         problem p;
         igi_lobe_estimate e;
         double alpha = 0;
@@ -184,14 +188,14 @@ static void never_worse(void)
         double much = excess(ctx, &p, &e, &alpha);
         if (much <= 1) continue;
         worse++;
-        if (worse > 20) continue;
+        if (worse > 50) continue;
         printf("problem %llu: %s, %zu pixels: alpha %.4g, rho_s %.3g; %.3g likelier at %.4g\n",
                (unsigned long long)i, igi_model_name(p.model), p.h.count, e.alpha, e.specular, much,
                alpha);
     }
     printf("%llu problems, %llu judged, %llu worse than a dense search\n",
            (unsigned long long)wanted, (unsigned long long)judged, (unsigned long long)worse);
-    CHECK(judged > wanted / 3);
+    CHECK(judged > wanted / 3 || wanted < 100);
     CHECK(worse == 0);
     igi_context_destroy(ctx);
 }
@@ -199,6 +203,7 @@ static void never_worse(void)
 int main(int argc, char **argv)
 {
     if (argc > 1) wanted = strtoull(argv[1], NULL, 10);
+    if (argc > 2) first = strtoull(argv[2], NULL, 10);
     never_worse();
     printf("%d checks, %d failures\n", test_checks, test_failures);
     return test_failures > 0;
