@@ -54,6 +54,8 @@ IGI_API void igi_recover_options_init(igi_recover_options *options);
 typedef struct igi_comparison {
     char *frame;
     igi_image *photo, *prediction; /* bands only; the same size */
+    igi_image *albedo;             /* likewise: the room without its light; lamps are 1 */
+    int regions;                   /* so many of them are in it */
 } igi_comparison;
 
 /* One model that was tried on a region's highlights. */
@@ -69,8 +71,18 @@ typedef struct igi_model_evidence {
 
 enum { IGI_EVIDENCE_ROOM = 16 };
 
+/* Whether a region has a texture or one albedo: what two halves of the photographs show alike. NaN
+ * where it was not asked, because scene.json says, or there is too little to judge by. */
+typedef struct igi_texture_evidence {
+    bool given;       /* scene.json says */
+    double amplitude; /* relative deviation from the surroundings, in the middle */
+    double least;     /* what it has to exceed: the irradiance's uncertainty explains as much */
+    double agreement; /* of the halves: 1 alike, 0 not */
+} igi_texture_evidence;
+
 /* What was spent and tried on a region, in order. */
 typedef struct igi_region_evidence {
+    igi_texture_evidence texture;
     uint64_t gathered_rays; /* for the light that arrives at it, shadow rays apart */
     uint64_t lobe_rays;     /* for its highlights */
     size_t count;

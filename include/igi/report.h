@@ -45,9 +45,9 @@ IGI_API IGI_MUST_USE igi_status igi_validate_materials(igi_context *context,
                                                        igi_validation **validation);
 IGI_API void igi_validation_destroy(igi_validation *validation);
 
-/* Writes FOLDER/comparison/NAME.photo.png, NAME.prediction.png and NAME.difference.png for some
- * frames of the recovery, tone-mapped, spread over the views, at most 320 pixels wide; and
- * comparison.json, which says how. What igi_report shows. */
+/* Writes FOLDER/comparison/NAME.photo.png, NAME.prediction.png, NAME.difference.png and
+ * NAME.albedo.png for some frames of the recovery, tone-mapped, spread over the views, at most 256
+ * pixels wide; and index.json, which says how. What igi_report shows. */
 IGI_API IGI_MUST_USE igi_status igi_comparisons_save(igi_context *context,
                                                      const igi_recovery *recovery,
                                                      const char *folder);

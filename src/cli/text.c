@@ -52,7 +52,12 @@ void cli_print_json_number(double x)
 void cli_print_percent(double fraction, int width)
 {
     if (!isfinite(fraction)) printf("%*s", width, "-");
-    else printf("%*.*f %%", width - 2, fabs(fraction) < .00995 ? 3 : 2, 100 * fraction);
+    else
+        printf("%*.*f %%", width - 2,
+               fabs(fraction) < .00995  ? 3
+               : fabs(fraction) < 9.995 ? 2
+                                        : 0,
+               100 * fraction);
 }
 
 int cli_text_width(const char *text)

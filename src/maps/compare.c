@@ -20,10 +20,11 @@ typedef struct job {
 } job;
 
 static void predict(const job *j, size_t frame, const igi_hit *hit, igi_vec direction,
-                    float *radiance)
+                    float *radiance, float *albedo)
 {
     const igi_problem *p = j->problem;
-    float irradiance[IGI_MAX_BANDS], albedo[IGI_MAX_BANDS], x, y;
+    float irradiance[IGI_MAX_BANDS], x, y;
+    for (int b = 0; b < p->bands; b++) albedo[b] = 1;
     if (hit->triangle == IGI_NO_HIT) {
         igi_lighting_add_emitted(p->lighting, direction, hit, radiance);
         return;
@@ -55,6 +56,7 @@ static igi_status take_photograph(igi_context *ctx, const job *j, size_t frame, 
     IGI_TRY_GOTO(igi_photographs_load(ctx, j->photographs, frame, &image, &warning));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->photo));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->prediction));
+    IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->albedo));
     for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++)
         memcpy(c->photo->samples + i * (size_t)bands, image->samples + i * (size_t)image->channels,
                (size_t)bands * sizeof(float));
@@ -62,6 +64,14 @@ cleanup:
     igi_free(warning);
     igi_image_destroy(image);
     return status;
+}
+
+/* How many regions have a pixel in a thousand or more. */
+static int count_regions(const uint32_t *pixels, size_t regions, size_t total)
+{
+    int count = 0;
+    for (size_t r = 0; r < regions; r++) count += 1000 * (size_t)pixels[r] >= total;
+    return count;
 }
 
 static igi_status compare_frame(igi_context *ctx, void *user, size_t index, int worker)
@@ -74,13 +84,21 @@ static igi_status compare_frame(igi_context *ctx, void *user, size_t index, int 
     igi_comparison *c = &j->recovery->comparisons[index];
     IGI_TRY(take_photograph(ctx, j, number, c));
     igi_vec centre = igi_camera_centre(&frame->camera);
-    float *radiance = c->prediction->samples;
+    float *radiance = c->prediction->samples, *albedo = c->albedo->samples;
+    uint32_t *pixels = NULL;
+    IGI_TRY(IGI_ALLOC(ctx, p->scene->region_count, &pixels));
     for (int y = 0; y < c->photo->height; y++)
-        for (int x = 0; x < c->photo->width; x++, radiance += p->bands) {
+        for (int x = 0; x < c->photo->width; x++) {
             igi_vec direction = igi_camera_direction(&frame->camera, x + 0.5, y + 0.5);
             igi_hit hit = igi_trace(p->tracer, centre, direction);
-            predict(j, number, &hit, direction, radiance);
+            predict(j, number, &hit, direction, radiance, albedo);
+            if (hit.triangle != IGI_NO_HIT) pixels[p->scene->mesh.regions[hit.triangle]]++;
+            radiance += p->bands;
+            albedo += p->bands;
         }
+    c->regions = count_regions(pixels, p->scene->region_count,
+                               (size_t)c->photo->width * (size_t)c->photo->height);
+    igi_free(pixels);
     igi_count_rays(ctx, (uint64_t)c->photo->width * (uint64_t)c->photo->height);
     return IGI_OK;
 }

@@ -42,6 +42,7 @@ typedef struct job {
     const igi_layout *layout;
     igi_region_sides sides;
     igi_materials *materials;
+    igi_region_evidence *evidence; /* NULL: nobody asks */
 } job;
 
 static float uv_per_metre(const igi_layout *layout, uint32_t triangle)
@@ -127,9 +128,12 @@ static igi_status decide(igi_context *ctx, void *user, size_t index, int worker)
     const igi_region *r = &j->problem->scene->regions[index];
     igi_material *m = &j->materials->materials[index];
     if (r->emitter || !m->determined) return IGI_OK;
+    igi_texture_evidence *found = j->evidence ? &j->evidence[index].texture : NULL;
     m->textured = r->textured == IGI_YES;
+    if (found) found->given = r->textured != IGI_AUTO;
     if (r->textured != IGI_AUTO) return IGI_OK;
-    return igi_find_texture(ctx, j->problem, j->field, &j->sides, (uint32_t)index, &m->textured);
+    return igi_find_texture(ctx, j->problem, j->field, &j->sides, (uint32_t)index, &m->textured,
+                            found);
 }
 
 static igi_status make_map(igi_context *ctx, void *user, size_t index, int worker)
@@ -165,11 +169,20 @@ cleanup:
 }
 
 igi_status igi_maps_create(igi_context *ctx, const igi_problem *problem, igi_field *field,
-                           const igi_layout *layout, igi_materials *materials)
+                           const igi_layout *layout, igi_materials *materials,
+                           igi_region_evidence *evidence)
 {
     igi_status status = IGI_OK;
-    job j = {.problem = problem, .field = field, .layout = layout, .materials = materials};
+    job j = {.problem = problem,
+             .field = field,
+             .layout = layout,
+             .materials = materials,
+             .evidence = evidence};
     size_t regions = problem->scene->region_count;
+    for (size_t r = 0; evidence && r < regions; r++) {
+        igi_texture_evidence *t = &evidence[r].texture;
+        t->amplitude = t->least = t->agreement = (double)NAN;
+    }
     IGI_TRY_GOTO(sort_sides(ctx, problem, &j.sides));
     IGI_TRY_GOTO(igi_parallel_for(ctx, regions, decide, &j));
     for (uint32_t r = 0; r < regions; r++)

@@ -24,10 +24,10 @@ void igi_layout_place(const igi_layout *layout, uint32_t triangle, float u, floa
                       float *x, float *y);
 
 /* Gives every region whose albedo is determined its map, map_std and `textured`; a textured one gets
- * the area mean of its map as albedo. */
+ * the area mean of its map as albedo. `evidence` (of each region; may be NULL) learns why. */
 IGI_MUST_USE igi_status igi_maps_create(igi_context *ctx, const igi_problem *problem,
                                         igi_field *field, const igi_layout *layout,
-                                        igi_materials *materials);
+                                        igi_materials *materials, igi_region_evidence *evidence);
 
 /* Bilinear look-up of the first `bands` channels at a place in texels. */
 void igi_map_at(const igi_image *map, int bands, bool wraps, float x, float y, float *albedo);

@@ -144,7 +144,7 @@ static float median(float *values, size_t count)
     return values[count / 2];
 }
 
-static bool judge(const evidence *e, bool has_uvs)
+static bool judge(const evidence *e, bool has_uvs, igi_texture_evidence *found)
 {
     size_t n = 0;
     for (size_t i = 0; i < e->count; i++) {
@@ -153,12 +153,19 @@ static bool judge(const evidence *e, bool has_uvs)
     }
     if (n < FEWEST) return false;
     float repeats = median(e->product, n), size = median(e->size, n), std = median(e->std, n);
-    if (!(repeats > AGREEMENT * size)) return false;
-    return sqrtf(repeats) > AMPLITUDE + (has_uvs ? SIGMAS : SIGMAS_WITHOUT_UVS) * std;
+    float least = AMPLITUDE + (has_uvs ? SIGMAS : SIGMAS_WITHOUT_UVS) * std;
+    float amplitude = repeats > 0 ? sqrtf(repeats) : 0;
+    if (found) {
+        found->amplitude = (double)amplitude;
+        found->least = (double)least;
+        found->agreement = size > 0 ? (double)(repeats / size) : 0;
+    }
+    return repeats > AGREEMENT * size && amplitude > least;
 }
 
 igi_status igi_find_texture(igi_context *ctx, const igi_problem *problem, const igi_field *field,
-                            const igi_region_sides *sides, uint32_t region, bool *textured)
+                            const igi_region_sides *sides, uint32_t region, bool *textured,
+                            igi_texture_evidence *found)
 {
     igi_status status = IGI_OK;
     evidence e = {.problem = problem, .field = field, .slots = 64};
@@ -173,7 +180,7 @@ igi_status igi_find_texture(igi_context *ctx, const igi_problem *problem, const 
     IGI_TRY_GOTO(IGI_ALLOC(ctx, most, &e.std));
     take_patches(&e, sides, region);
     sum_cells(&e);
-    *textured = judge(&e, problem->scene->regions[region].has_uvs);
+    *textured = judge(&e, problem->scene->regions[region].has_uvs, found);
 cleanup:
     igi_free(e.patches);
     igi_free(e.cells);

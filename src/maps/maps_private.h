@@ -32,10 +32,11 @@ typedef struct igi_region_sides {
     uint32_t *sides;
 } igi_region_sides;
 
-/* Do the photographs show a texture, or one albedo and noise? */
+/* Do the photographs show a texture, or one albedo and noise? `found` may be NULL. */
 IGI_MUST_USE igi_status igi_find_texture(igi_context *ctx, const igi_problem *problem,
                                          const igi_field *field, const igi_region_sides *sides,
-                                         uint32_t region, bool *textured);
+                                         uint32_t region, bool *textured,
+                                         igi_texture_evidence *found);
 
 /* The four texels about a place, and its bilinear weights among them. */
 typedef struct igi_taps {

@@ -233,7 +233,8 @@ static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_d
     if (!known) IGI_TRY_GOTO(igi_field_create(ctx, problem, diffuse, &made));
     igi_field *field = known ? known : made;
     IGI_TRY_GOTO(igi_layout_create(ctx, problem->scene, &layout));
-    IGI_TRY_GOTO(igi_maps_create(ctx, problem, field, layout, recovery->materials));
+    IGI_TRY_GOTO(
+        igi_maps_create(ctx, problem, field, layout, recovery->materials, recovery->evidence));
     IGI_TRY_GOTO(igi_doubts_add(ctx, problem, field, recovery->materials));
     igi_stage_begin(ctx, "compare");
     IGI_TRY_GOTO(igi_compare(ctx, problem, field, layout, recovery));
@@ -369,6 +370,7 @@ void igi_recovery_destroy(igi_recovery *recovery)
         igi_free(recovery->comparisons[i].frame);
         igi_image_destroy(recovery->comparisons[i].photo);
         igi_image_destroy(recovery->comparisons[i].prediction);
+        igi_image_destroy(recovery->comparisons[i].albedo);
     }
     igi_free(recovery->comparisons);
     igi_free(recovery);

@@ -91,6 +91,23 @@ static void tone_map(const writer *w, const igi_image *image, bool is_prediction
     }
 }
 
+/* Albedo is no radiance: 1 is white, whatever the exposure. */
+static igi_status save_albedo(const writer *w, const igi_image *albedo, const char *name,
+                              uint8_t *pixels)
+{
+    igi_image *small = NULL;
+    IGI_TRY(igi_image_reduce(w->ctx, albedo, WIDEST, &small));
+    for (size_t p = 0; p < (size_t)small->width * (size_t)small->height; p++)
+        for (int c = 0; c < 3; c++) {
+            size_t band = (size_t)igi_band_of(c, small->channels);
+            float x = small->samples[p * (size_t)small->channels + band];
+            pixels[3 * p + (size_t)c] = igi_srgb_byte(&w->srgb, x);
+        }
+    igi_status status = save_png(w, pixels, small, name, "albedo");
+    igi_image_destroy(small);
+    return status;
+}
+
 /* Paints (prediction - photograph)/photograph and returns the median of its size. Where nothing
  * is predicted (lamps, what no photograph determines) the picture is grey. */
 static igi_status paint_difference(const writer *w, const igi_image *photo,
@@ -153,11 +170,13 @@ cleanup:
     return status;
 }
 
-static igi_status note_view(writer *w, const char *frame, const char *file, const igi_image *image,
-                            double median)
+static igi_status note_view(writer *w, const igi_comparison *c, const char *file,
+                            const igi_image *image, double median)
 {
-    json_t *view = json_pack("{s:s, s:s, s:i, s:i}", "frame", frame, "file", file, "width",
-                             image->width, "height", image->height);
+    const char *frame = c->frame;
+    json_t *view = json_pack("{s:s, s:s, s:i, s:i, s:i, s:b}", "frame", frame, "file", file,
+                             "width", image->width, "height", image->height, "regions", c->regions,
+                             "albedo", c->albedo != NULL);
     json_object_set_new(view, "median_difference", isnan(median) ? json_null() : json_real(median));
     if (json_array_append_new(w->views, view))
         return igi_fail(w->ctx, IGI_E_DATA, "%s: the image's name is not UTF-8; rename it", frame);
@@ -179,7 +198,8 @@ static igi_status save_view(writer *w, const igi_comparison *view, const igi_ima
     tone_map(w, prediction, true, pixels);
     IGI_TRY_GOTO(save_png(w, pixels, photo, name, "prediction"));
     IGI_TRY_GOTO(save_difference(w, view->photo, view->prediction, name, pixels, &median));
-    IGI_TRY_GOTO(note_view(w, view->frame, name, photo, median));
+    if (view->albedo) IGI_TRY_GOTO(save_albedo(w, view->albedo, name, pixels));
+    IGI_TRY_GOTO(note_view(w, view, name, photo, median));
 cleanup:
     igi_image_destroy(prediction);
     igi_free(name);

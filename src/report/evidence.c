@@ -43,6 +43,11 @@ static json_t *region_json(const igi_material *m, const igi_region_evidence *e, 
     bad |= json_object_set_new(o, "texels", json_integer((json_int_t)texels));
     bad |= json_object_set_new(o, "gathered_rays", json_integer((json_int_t)e->gathered_rays));
     bad |= json_object_set_new(o, "lobe_rays", json_integer((json_int_t)e->lobe_rays));
+    const igi_texture_evidence *t = &e->texture;
+    bad |= json_object_set_new(o, "texture",
+                               json_pack("{s:b, s:b, s:o, s:o, s:o}", "given", t->given, "found",
+                                         m->textured, "amplitude", number(t->amplitude), "least",
+                                         number(t->least), "agreement", number(t->agreement)));
     for (size_t i = 0; i < e->count; i++)
         bad |= json_array_append_new(tried, tried_json(&e->tried[i]));
     bad |= json_object_set_new(o, "tried", tried);

@@ -55,21 +55,54 @@ static void print_tiles(const igi_page *page)
     fputs("</dl>\n", f);
 }
 
-static void print_head(const igi_page *page)
+/* Those of the whole, and how many regions have one of their own. */
+static void print_warnings(const igi_page *page)
 {
     FILE *f = page->file;
+    const igi_materials *all = page->materials;
+    size_t noted = 0;
+    for (size_t i = 0; i < all->count; i++) noted += all->materials[i].warning_count > 0;
+    if (all->warning_count == 0 && noted == 0) return;
+    fputs("<div class=\"warnings\"><b>Warnings</b><ul>", f);
+    for (size_t i = 0; i < all->warning_count; i++) {
+        fputs("<li>", f);
+        igi_page_text(page, all->warnings[i]);
+        fputs("</li>", f);
+    }
+    if (noted)
+        fprintf(
+            f, "<li>%zu region%s a warning of %s own, in <a href=\"#materials\">the table</a></li>",
+            noted, noted == 1 ? " has" : "s have", noted == 1 ? "its" : "their");
+    fputs("</ul></div>\n", f);
+}
+
+static void print_contents(const igi_page *page)
+{
+    static const char *const sections[][2] = {{"materials", "Materials"},
+                                              {"balls", "Balls"},
+                                              {"evidence", "Evidence"},
+                                              {"lights", "Lights"},
+                                              {"maps", "Maps"},
+                                              {"views", "Photograph against prediction"},
+                                              {"cost", "Cost"}};
+    fputs("<nav aria-label=\"sections\">", page->file);
+    for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++)
+        fprintf(page->file, "<a href=\"#%s\">%s</a> ", sections[i][0], sections[i][1]);
+    fputs("</nav>\n", page->file);
+}
+
+static igi_status print_head(const igi_page *page)
+{
     igi_page_begin(page, page->materials->scene[0] ? page->materials->scene : "a scene",
                    "What its surfaces are made of, recovered from photographs, and how far they "
                    "can be trusted.");
+    print_warnings(page);
+    fputs("<div class=\"first\">", page->file);
+    IGI_TRY(igi_page_first_view(page));
     print_tiles(page);
-    if (page->materials->warning_count == 0) return;
-    fputs("<div class=\"warnings\"><b>Warnings</b><ul>", f);
-    for (size_t i = 0; i < page->materials->warning_count; i++) {
-        fputs("<li>", f);
-        igi_page_text(page, page->materials->warnings[i]);
-        fputs("</li>", f);
-    }
-    fputs("</ul></div>\n", f);
+    fputs("</div>\n", page->file);
+    print_contents(page);
+    return IGI_OK;
 }
 
 static void print_meaning(const igi_page *page)
@@ -90,7 +123,7 @@ static void print_meaning(const igi_page *page)
 static igi_status print_page(const igi_page *page, const void *unused)
 {
     (void)unused;
-    print_head(page);
+    IGI_TRY(print_head(page));
     igi_page_table(page);
     IGI_TRY(igi_page_spheres(page));
     igi_page_evidence(page);

@@ -55,6 +55,8 @@ double igi_material_share(const igi_material *material, int bands);
 /* Sections. */
 void igi_page_table(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
+/* One photograph and its albedo, two figures. */
+IGI_MUST_USE igi_status igi_page_first_view(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_views(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_relight(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_spheres(const igi_page *page);

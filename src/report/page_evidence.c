@@ -88,6 +88,31 @@ static void print_reason(const igi_page *page, const json_t *t, const char *mode
                 number(t, "specular"), number(t, "alpha"), 100 * after, 100 * before);
 }
 
+/* Why a region has a map, or one albedo. */
+static void print_texture(const igi_page *page, const json_t *t)
+{
+    FILE *f = page->file;
+    double amplitude = number(t, "amplitude"), least = number(t, "least");
+    bool found = json_is_true(json_object_get(t, "found"));
+    if (!t) return;
+    fputs("<br>", f);
+    if (json_is_true(json_object_get(t, "given")))
+        fprintf(f, "scene.json says that it has %s texture", found ? "a" : "no");
+    else if (!isfinite(amplitude)) fputs("too little is seen to tell a texture by: one albedo", f);
+    else if (found)
+        fprintf(f,
+                "a texture: its halves of the photographs agree on deviations of %.1f&nbsp;%%, the "
+                "light explains %.1f",
+                100 * amplitude, 100 * least);
+    else if (amplitude > least)
+        fprintf(
+            f, "one albedo: halves of the photographs disagree on its deviations (by %.0f&nbsp;%%)",
+            100 * (1 - number(t, "agreement")));
+    else
+        fprintf(f, "one albedo: deviations of %.1f&nbsp;%%, the light explains %.1f",
+                100 * amplitude, 100 * least);
+}
+
 /* In a cell of its own; the last one is left open. */
 static void print_thousands(FILE *f, double x)
 {
@@ -108,6 +133,7 @@ static void print_row(const igi_page *page, const char *name, const json_t *regi
     print_tries(page, tried);
     fputs("</td><td class=\"l wide\">", f);
     print_reason(page, deciding(tried, text(region, "model")), text(region, "model"));
+    print_texture(page, json_object_get(region, "texture"));
     fprintf(f, "</td><td>%.0f</td><td>", number(region, "parameters"));
     if (texels > 0) fprintf(f, "%.0f", texels);
     else fputs("&ndash;", f);
@@ -116,13 +142,27 @@ static void print_row(const igi_page *page, const char *name, const json_t *regi
     fputs("</td></tr>\n", f);
 }
 
+static void print_totals(const igi_page *page, json_t *regions)
+{
+    static const char *const keys[] = {"parameters", "texels", "gathered_rays", "lobe_rays"};
+    double sums[4] = {0, 0, 0, 0};
+    for (void *it = json_object_iter(regions); it; it = json_object_iter_next(regions, it))
+        for (int k = 0; k < 4; k++)
+            sums[k] += json_number_value(json_object_get(json_object_iter_value(it), keys[k]));
+    fprintf(page->file,
+            "</tbody><tfoot><tr><th class=\"l\" colspan=\"4\">all</th><td>%.0f</td><td>%.0f</td>"
+            "<td>%.1f</td><td>%.1f</td></tr></tfoot>",
+            sums[0], sums[1], sums[2] * 1e-3, sums[3] * 1e-3);
+}
+
 void igi_page_evidence(const igi_page *page)
 {
     FILE *f = page->file;
     json_t *regions = json_object_get(page->evidence, "regions");
     if (json_object_size(regions) == 0) return;
     fputs(
-        "<section><h2>Evidence</h2><p class=\"soft\">A lobe is given only where the photographs "
+        "<section id=\"evidence\"><h2>Evidence</h2><p class=\"soft\">A lobe, or a texture in place "
+        "of one albedo, is given only where the photographs "
         "ask for it. Tried: what each model gains over none, as &minus;2&thinsp;ln likelihood for "
         "each residual (a residual: one pixel's difference from the model); glance, search and "
         "refine look with ever more pixels. Parameters: an albedo for each band, and two of a "
@@ -135,5 +175,6 @@ void igi_page_evidence(const igi_page *page)
         f);
     for (void *it = json_object_iter(regions); it; it = json_object_iter_next(regions, it))
         print_row(page, json_object_iter_key(it), json_object_iter_value(it));
-    fputs("</tbody></table></div></section>\n", f);
+    print_totals(page, regions);
+    fputs("</table></div></section>\n", f);
 }

@@ -57,10 +57,10 @@ void igi_page_lights(const igi_page *page)
     const igi_materials *all = page->materials;
     static const char *const rgb[] = {"red", "green", "blue"};
     if (all->light_count == 0) return;
-    fputs(
-        "<section><h2>Lights</h2><div class=\"card scroll\"><table><thead><tr><th class=\"l\">kind"
-        "</th><th class=\"l\">region</th><th class=\"l\">value</th>",
-        f);
+    fputs("<section id=\"lights\"><h2>Lights</h2><div class=\"card scroll\"><table><thead><tr><th "
+          "class=\"l\">kind"
+          "</th><th class=\"l\">region</th><th class=\"l\">value</th>",
+          f);
     for (int b = 0; b < all->bands; b++) {
         if (all->bands == 3) fprintf(f, "<th>%s</th>", rgb[b]);
         else fprintf(f, "<th>band %d</th>", b + 1);

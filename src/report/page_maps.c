@@ -11,7 +11,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MAP_SIDE = 192 };
+/* Of each map a picture, smaller where there are many, so that the page stays a few megabytes. */
+enum { MAP_SIDE = 192, MANY = 32, SMALL_SIDE = 64 };
 
 /* A grey chequer marks texels that no photograph determines. */
 static void paint_albedo(const igi_page *page, const igi_image *map, uint8_t *pixels)
@@ -87,13 +88,13 @@ cleanup:
     return status;
 }
 
-static igi_status print_card(const igi_page *page, const igi_material *m)
+static igi_status print_card(const igi_page *page, const igi_material *m, int side)
 {
     igi_status status = IGI_OK;
     igi_image *small = NULL;
     uint8_t *pixels = NULL;
-    IGI_TRY_GOTO(IGI_ALLOC(page->ctx, 3 * (size_t)MAP_SIDE * MAP_SIDE, &pixels));
-    IGI_TRY_GOTO(igi_image_reduce(page->ctx, m->map, MAP_SIDE, &small));
+    IGI_TRY_GOTO(IGI_ALLOC(page->ctx, 3 * (size_t)side * (size_t)side, &pixels));
+    IGI_TRY_GOTO(igi_image_reduce(page->ctx, m->map, side, &small));
     paint_albedo(page, small, pixels);
     fputs("<div class=\"card\"><h3>", page->file);
     igi_page_text(page, m->region);
@@ -114,19 +115,20 @@ cleanup:
 igi_status igi_page_maps(const igi_page *page)
 {
     bool begun = false;
+    int side = page->materials->count > MANY ? SMALL_SIDE : MAP_SIDE;
     for (size_t i = 0; i < page->materials->count; i++) {
         const igi_material *m = &page->materials->materials[i];
         if (!m->map || m->emitter) continue;
         if (!begun)
-            fputs(
-                "<section><h2>Maps</h2><p class=\"soft\">Albedo over each region's texture square, "
-                "and one standard deviation of it. Chequered texels are seen by no photograph: "
-                "they "
-                "are filled in from their neighbours and their region, and their error bar says "
-                "so.</p><div class=\"grid\">\n",
-                page->file);
+            fputs("<section id=\"maps\"><h2>Maps</h2><p class=\"soft\">Albedo over each region's "
+                  "texture square, "
+                  "and one standard deviation of it. Chequered texels are seen by no photograph: "
+                  "they "
+                  "are filled in from their neighbours and their region, and their error bar says "
+                  "so.</p><div class=\"grid\">\n",
+                  page->file);
         begun = true;
-        IGI_TRY(print_card(page, m));
+        IGI_TRY(print_card(page, m, side));
     }
     if (begun) fputs("</div></section>\n", page->file);
     return IGI_OK;

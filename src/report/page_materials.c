@@ -49,11 +49,6 @@ static void print_row(const igi_page *page, const igi_material *m, bool lobes)
     print_swatch(page, m);
     fputs("</td><td class=\"l\">", f);
     igi_page_text(page, m->region);
-    for (size_t i = 0; i < m->warning_count; i++) {
-        fputs("<div class=\"note\">", f);
-        igi_page_text(page, m->warnings[i]);
-        fputs("</div>", f);
-    }
     fprintf(f, "</td><td class=\"l\">%s</td>", igi_model_name(m->model));
     for (int b = 0; b < bands; b++)
         fprintf(f, "<td data-v=\"%.6g\">%.4f</td>", m->albedo[b], m->albedo[b]);
@@ -66,6 +61,20 @@ static void print_row(const igi_page *page, const igi_material *m, bool lobes)
             "<td data-v=\"%.6g\"><span class=\"meter\"><i style=\"width:%.0f%%\"></i></span>"
             "<span class=\"share\">%.0f&nbsp;%%</span></td><td data-v=\"%d\">%d</td></tr>\n",
             m->observed, 100 * m->observed, 100 * m->observed, m->views, m->views);
+}
+
+/* In a row below the region's, which stays there when the table is sorted. */
+static void print_notes(const igi_page *page, const igi_material *m, bool lobes)
+{
+    FILE *f = page->file;
+    if (m->warning_count == 0) return;
+    fprintf(f, "<tr class=\"more\"><td></td><td class=\"l note\" colspan=\"%d\">",
+            5 + page->materials->bands + 2 * lobes);
+    for (size_t i = 0; i < m->warning_count; i++) {
+        fputs(i ? "<br>" : "", f);
+        igi_page_text(page, m->warnings[i]);
+    }
+    fputs("</td></tr>\n", f);
 }
 
 static void print_heading(FILE *f, const char *label, bool left)
@@ -81,7 +90,8 @@ void igi_page_table(const igi_page *page)
     bool lobes = false;
     for (size_t i = 0; i < all->count; i++) lobes |= all->materials[i].model != IGI_LAMBERT;
     fputs(
-        "<section><h2>Materials</h2><p class=\"soft\">&rho; is the diffuse albedo, the share of "
+        "<section id=\"materials\"><h2>Materials</h2><p class=\"soft\">&rho; is the diffuse "
+        "albedo, the share of "
         "the light of a band that a surface sends back evenly in all directions, from 0 to 1; the "
         "mean over what the photographs determine. 1&thinsp;&sigma; is its standard deviation, "
         "relative, the largest of the bands. Model: lambert is diffuse alone; ward, ggx and phong "
@@ -105,7 +115,10 @@ void igi_page_table(const igi_page *page)
     print_heading(f, "observed", false);
     print_heading(f, "views", false);
     fputs("</tr></thead><tbody>\n", f);
-    for (size_t i = 0; i < all->count; i++)
-        if (!all->materials[i].emitter) print_row(page, &all->materials[i], lobes);
+    for (size_t i = 0; i < all->count; i++) {
+        if (all->materials[i].emitter) continue;
+        print_row(page, &all->materials[i], lobes);
+        print_notes(page, &all->materials[i], lobes);
+    }
     fputs("</tbody></table></div></section>\n", f);
 }

@@ -74,7 +74,13 @@ void igi_page_percent(const igi_page *page, double fraction)
 {
     double percent = 100 * fraction;
     if (!isfinite(percent)) fputs("&ndash;", page->file);
-    else fprintf(page->file, "%.*f&nbsp;%%", percent < 1 ? 3 : percent < 10 ? 2 : 1, percent);
+    else
+        fprintf(page->file, "%.*f&nbsp;%%",
+                percent < 1     ? 3
+                : percent < 10  ? 2
+                : percent < 100 ? 1
+                                : 0,
+                percent);
 }
 
 igi_status igi_page_pixels(const igi_page *page, const uint8_t *pixels, int width, int height,

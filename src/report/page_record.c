@@ -26,7 +26,8 @@ void igi_page_costs(const igi_page *page)
     if (count == 0) return;
     for (size_t i = 0; i < count; i++)
         longest = fmax(longest, number(json_array_get(stages, i), "cpu_s"));
-    fputs("<section><h2>Cost</h2><p class=\"soft\">CPU seconds are those of all threads together; "
+    fputs("<section id=\"cost\"><h2>Cost</h2><p class=\"soft\">CPU seconds are those of all "
+          "threads together; "
           "memory is the peak of the process up to the end of the stage.</p><div class=\"card "
           "scroll\"><table><thead><tr><th class=\"l\">stage</th><th></th><th>CPU s</th><th>wall "
           "s</th><th>rays, millions</th><th>memory, MB</th></tr></thead><tbody>\n",

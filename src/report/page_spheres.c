@@ -81,7 +81,8 @@ static igi_status print_card(const igi_page *page, const igi_material *m)
 igi_status igi_page_spheres(const igi_page *page)
 {
     fprintf(page->file,
-            "<section><h2>Balls</h2><p class=\"soft\">Each material on a ball, of its mean albedo, "
+            "<section id=\"balls\"><h2>Balls</h2><p class=\"soft\">Each material on a ball, of its "
+            "mean albedo, "
             "under the same soft box%s.</p><div class=\"balls\">\n",
             page->truth ? ": recovered on the left, its truth on the right" : "");
     for (size_t i = 0; i < page->materials->count; i++)

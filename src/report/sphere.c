@@ -2,8 +2,7 @@
  *
  * Seen from far away, so that every pixel has the same view direction z. Diffuse light is in closed
  * form: the room's radiance a + b y gives irradiance pi a + 2 pi/3 b n_y, and the box is small.
- * Of the lobe, narrow ones sample themselves and look up the light, broad ones sum over the box, and
- * sample themselves for the room.
+ * Lobes are summed over the box and over directions of their own.
  */
 #include "report/sphere.h"
 
@@ -16,7 +15,6 @@ enum { BOX_SIDE = 5, LOBE_SAMPLES = 24 };
 #define SLOPE 0.12f
 #define BOX_RADIANCE 9.0f
 #define BOX_HALF 0.16f /* half its side, at distance 1 */
-#define NARROW 0.12f
 
 typedef struct studio {
     igi_vec box, right, up; /* its direction and sides */
@@ -37,13 +35,11 @@ static float room_radiance(igi_vec d)
     return AMBIENT + SLOPE * d.y;
 }
 
-/* With the box. */
-static float light_from(const studio *s, igi_vec d)
+static bool is_box(const studio *s, igi_vec d)
 {
     float along = igi_dot(d, s->box);
-    bool inside = along > 0 && fabsf(igi_dot(d, s->right)) < BOX_HALF * along &&
-                  fabsf(igi_dot(d, s->up)) < BOX_HALF * along;
-    return inside ? BOX_RADIANCE : room_radiance(d);
+    return along > 0 && fabsf(igi_dot(d, s->right)) < BOX_HALF * along &&
+           fabsf(igi_dot(d, s->up)) < BOX_HALF * along;
 }
 
 static float irradiance(const studio *s, igi_vec n)
@@ -72,20 +68,28 @@ static igi_vec to_local(igi_vec v, igi_vec t, igi_vec b, igi_vec n)
     return (igi_vec){igi_dot(v, t), igi_dot(v, b), igi_dot(v, n)};
 }
 
+static void add_terms(lobe_light *sum, const igi_material *m, igi_vec in, igi_vec out, float light)
+{
+    float scale, base;
+    igi_lobe_terms(m->model, (float)m->alpha, in, out, &scale, &base);
+    sum->scale += light * in.z * scale;
+    sum->base += light * in.z * base;
+}
+
+/* The box from its parts, and from the lobe's own directions, by the balance heuristic; the room
+ * from these alone. */
 static lobe_light shine(const studio *s, const igi_material *m, igi_vec n)
 {
     lobe_light sum = {0, 0};
     igi_vec t, b;
-    float alpha = (float)m->alpha, scale, base;
+    float alpha = (float)m->alpha;
     igi_frame_of(n, &t, &b);
     igi_vec out = to_local((igi_vec){0, 0, 1}, t, b, n);
-    bool narrow = alpha < NARROW;
-    for (int k = 0; k < BOX_SIDE * BOX_SIDE && !narrow; k++) {
+    for (int k = 0; k < BOX_SIDE * BOX_SIDE; k++) {
         igi_vec in = to_local(s->parts[k], t, b, n);
         if (in.z <= 0) continue;
-        igi_lobe_terms(m->model, alpha, in, out, &scale, &base);
-        sum.scale += BOX_RADIANCE * s->solid * in.z * scale;
-        sum.base += BOX_RADIANCE * s->solid * in.z * base;
+        float pdf = igi_lobe_pdf(m->model, alpha, in, out);
+        add_terms(&sum, m, in, out, BOX_RADIANCE / (1 / s->solid + LOBE_SAMPLES * pdf));
     }
     for (int k = 0; k < LOBE_SAMPLES; k++) {
         float u = ((float)k + 0.5f) / LOBE_SAMPLES, v = (float)k * 0.6180339887f;
@@ -93,10 +97,9 @@ static lobe_light shine(const studio *s, const igi_material *m, igi_vec n)
         float pdf = igi_lobe_pdf(m->model, alpha, in, out);
         if (in.z <= 0 || !(pdf > 0)) continue;
         igi_vec world = igi_madd(igi_madd(igi_scale(t, in.x), b, in.y), n, in.z);
-        float light = narrow ? light_from(s, world) : room_radiance(world);
-        igi_lobe_terms(m->model, alpha, in, out, &scale, &base);
-        sum.scale += light * in.z * scale / (pdf * LOBE_SAMPLES);
-        sum.base += light * in.z * base / (pdf * LOBE_SAMPLES);
+        float share = is_box(s, world) ? BOX_RADIANCE / (1 / s->solid + LOBE_SAMPLES * pdf)
+                                       : room_radiance(world) / (LOBE_SAMPLES * pdf);
+        add_terms(&sum, m, in, out, share);
     }
     return sum;
 }

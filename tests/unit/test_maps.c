@@ -224,7 +224,7 @@ static void checkered_floor(void)
     world *w = world_new(1, checkers, 0.1);
     double determined;
     w->options.map_size = 64;
-    CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials));
+    CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials, NULL));
     CHECK(w->list[0].textured && !w->list[1].map);
     CHECK(w->list[0].map->width == 64 && w->list[0].map->channels == 2);
     /* 12 of the 16 texels of a square lie at its rim; sharpening gets half of them right. */
@@ -239,7 +239,7 @@ static void plain_floor(void)
 {
     world *w = world_new(1, plain, 0.1);
     double determined;
-    CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials));
+    CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials, NULL));
     CHECK(!w->list[0].textured);
     CHECK(w->list[0].map->width <= 64 && w->list[0].map_std->channels == 1);
     CHECK(share_off(w, plain, 0.02, &determined) < 0.05);
@@ -247,7 +247,7 @@ static void plain_floor(void)
     w->regions[0].textured = IGI_YES; /* the manifest has the last word */
     igi_image_destroy(w->list[0].map);
     igi_image_destroy(w->list[0].map_std);
-    CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials));
+    CHECK_OK(w->ctx, igi_maps_create(w->ctx, w->problem, w->field, w->layout, &w->materials, NULL));
     CHECK(w->list[0].textured && w->list[0].map->width == 128); /* pixels of 1.5 cm on 2 m */
     CHECK(share_off(w, plain, 0.03, &determined) < 0.05);
     world_free(w);
@@ -256,8 +256,8 @@ static void plain_floor(void)
 static void same_for_any_threads(void)
 {
     world *a = world_new(1, checkers, 0.1), *b = world_new(5, checkers, 0.1);
-    CHECK_OK(a->ctx, igi_maps_create(a->ctx, a->problem, a->field, a->layout, &a->materials));
-    CHECK_OK(b->ctx, igi_maps_create(b->ctx, b->problem, b->field, b->layout, &b->materials));
+    CHECK_OK(a->ctx, igi_maps_create(a->ctx, a->problem, a->field, a->layout, &a->materials, NULL));
+    CHECK_OK(b->ctx, igi_maps_create(b->ctx, b->problem, b->field, b->layout, &b->materials, NULL));
     const igi_image *p = a->list[0].map, *q = b->list[0].map;
     CHECK(p->width == q->width && p->height == q->height);
     size_t n = (size_t)p->width * (size_t)p->height;

@@ -212,6 +212,8 @@ static igi_recovery *awkward(igi_context *ctx)
         CHECK_OK(ctx, igi_strprintf(ctx, &c->frame, "view <%d>/x", i));
         c->photo = ramp(ctx, 64, 48, 3);
         c->prediction = ramp(ctx, 64, 48, 3);
+        if (i > 0) c->albedo = ramp(ctx, 64, 48, 3); /* an older result has none */
+        c->regions = i;
         c->photo->samples[0] = (float)NAN;
         c->photo->samples[9] = -1;
         memset(c->prediction->samples + 300, 0, 200 * sizeof(float));
