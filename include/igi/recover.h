@@ -6,6 +6,7 @@
 #define IGI_RECOVER_H
 
 #include <igi/material.h>
+#include <igi/register.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,6 +32,13 @@ typedef enum igi_form_factor_way {
     IGI_FORM_FACTORS_CLOSED       /* exact where nothing stands between; ignores what does */
 } igi_form_factor_way;
 
+/* Whether cameras are registered first (igi_register). */
+typedef enum igi_registering {
+    IGI_REGISTER_AUTO, /* where the photographs' edges lie clearly off the mesh's */
+    IGI_REGISTER_NEVER,
+    IGI_REGISTER_ALWAYS
+} igi_registering;
+
 typedef struct igi_recover_options {
     size_t struct_size;
     igi_method method;   /* default IGI_METHOD_PATCHES */
@@ -44,6 +52,7 @@ typedef struct igi_recover_options {
                              needs; 0: the default accuracy */
     double time_budget_s; /* CPU seconds that the diffuse solution may take in all; 0: no limit */
     igi_form_factor_way form_factors; /* radiosity: default IGI_FORM_FACTORS_BY_RAYS */
+    igi_registering registering;      /* default IGI_REGISTER_AUTO */
     bool gather_from_photos; /* gather: rays look into the photographs, not at patches (default) */
 } igi_recover_options;
 
@@ -93,6 +102,7 @@ typedef struct igi_recovery {
     igi_materials *materials;
     igi_region_evidence *evidence; /* [materials->count] */
     bool *read;                    /* [frames of the scene] photographs that were read; NULL: all */
+    igi_registered *registered;    /* of those that were read; NULL: cameras are as given */
     size_t comparison_count;
     igi_comparison *comparisons;
 } igi_recovery;

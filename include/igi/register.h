@@ -39,17 +39,19 @@ typedef struct igi_register_options {
     size_t struct_size;
     double search_px; /* how far edges may lie off at the start; default 4 */
     bool together;    /* first one similarity for all cameras: they share an error */
+    bool compare;     /* default true: say how the photographs agree then, which reads them again */
 } igi_register_options;
 
 IGI_API void igi_register_options_init(igi_register_options *options);
 
 typedef struct igi_registered_frame {
+    char *image;
     size_t edges;               /* places at which it was measured in the end */
     double before_px, after_px; /* robust root mean square of the edges' distances */
     double moved_px;            /* typical shift of its image that the refinement made */
     double sigma_px;         /* of the image's place, one standard deviation, from the residuals */
     double gain, gain_sigma; /* brightness against the other photographs' */
-    bool moved;              /* false: too few edges, or no better; it stays where it was */
+    bool moved; /* false: too few edges, or not clearly better; it stays where it was */
 } igi_registered_frame;
 
 typedef struct igi_registered {
@@ -60,6 +62,10 @@ typedef struct igi_registered {
      * of ln gain over the frames, and the typical share of places at which one contradicts. */
     double gain_spread, contradicts;
     igi_similarity together; /* identity when not asked for */
+    bool lens; /* all pictures shared a shift or were all too large, and cameras were mended: */
+    struct {
+        double shift_px[2], magnification; /* added to the principal point; of the focal length */
+    } shared;
 } igi_registered;
 
 /* Refines the poses of the scene's cameras in place. Edges are where regions, depth or normals

@@ -14,8 +14,8 @@ enum { CLI_MAX_ARGUMENTS = 1024 };
 /* Every option's value, set from the table in options.c: the same option means the same in every
  * command. */
 typedef struct cli_values {
-    const char *output, *method, *gather_from, *form_factors, *model, *truth, *list, *response,
-        *weights, *save_response;
+    const char *output, *registering, *method, *gather_from, *form_factors, *model, *truth, *list,
+        *response, *weights, *save_response;
     const char *chessboard, *overlap, *calibration, *lights, *cameras, *scenes, *sweeps, *datasets,
         *cache, *peer, *points, *basis, *convert, *charuco, *markers, *lens, *residuals;
     double samples, seeds;

@@ -25,6 +25,8 @@ static void set_options(const cli_values *values, igi_recover_options *options)
     if (strcmp(values->form_factors, "closed") == 0)
         options->form_factors = IGI_FORM_FACTORS_CLOSED;
     options->gather_from_photos = strcmp(values->gather_from, "photos") == 0;
+    if (strcmp(values->registering, "never") == 0) options->registering = IGI_REGISTER_NEVER;
+    if (strcmp(values->registering, "always") == 0) options->registering = IGI_REGISTER_ALWAYS;
     options->patch_m = values->patch;
     options->rays = (int)values->rays;
     options->map_size = (int)values->map_size;

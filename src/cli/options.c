@@ -94,6 +94,9 @@ static const option options[] = {
      "with --method radiosity: how form factors are reckoned; closed: as if nothing stood between"},
     {"model", 0, CHOICE, CLI_RECOVER, AT(model), "auto|lambert|ward|ggx|phong", "auto", 0, 0,
      "reflectance of the surfaces; auto: what the photographs ask for, region by region"},
+    {"register", 0, CHOICE, CLI_RECOVER, AT(registering), "auto|never|always", "auto", 0, 0,
+     "cameras moved first until the photographs' edges lie on the mesh's; auto: where they are "
+     "clearly off"},
     {"target-error", 0, REAL, CLI_RECOVER | CLI_RELIGHT, AT(target_error), "E", "0", 0, 1,
      "relative error to aim at, a fraction, of albedo (few photographs, pixels and rays where "
      "those "

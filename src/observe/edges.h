@@ -5,23 +5,26 @@
 #ifndef IGI_SRC_OBSERVE_EDGES_H
 #define IGI_SRC_OBSERVE_EDGES_H
 
-#include "observe/visible.h"
-
-#include <igi/image.h>
+#include "observe/edge_sites.h"
 
 typedef struct igi_registration {
-    size_t edges; /* places where an edge of the photograph was found beside one of the mesh */
-    double
-        offset[2]; /* of the photograph from the mesh, columns and rows, pixels; 0 without edges */
+    size_t edges;     /* places where an edge of the photograph was found beside one of the mesh */
+    double offset[2]; /* of the photograph from the mesh in the picture's middle, columns and rows,
+                         pixels; 0 without edges */
     double offset_error; /* one standard deviation of either */
-    double residual;     /* median distance of an edge from its place after that shift, pixels; of a
-                        perfect camera about .2, from pixels being squares */
+    double magnified;    /* by how much the photograph is too large, and is turned against the */
+    double turned;       /* mesh, in pixels at the picture's corner */
+    double corner_error; /* one standard deviation of either */
+    double shift, shift_error; /* root mean square over the picture of what all four do */
+    double
+        residual; /* robust standard deviation of the edges from their places after that, pixels */
 } igi_registration;
 
-/* Edges between two regions, with a few pixels of one on either side, whose brightness differs
- * clearly. `bands` channels of the image count. */
+/* From some of the edges beside which the photograph shows two surfaces alone and their brightness
+ * differs clearly. */
 IGI_MUST_USE igi_status igi_registration_measure(igi_context *ctx, const igi_scene *scene,
+                                                 const igi_tracer *tracer, const igi_camera *camera,
                                                  const igi_image *image, const igi_visible *visible,
-                                                 double pixel_rad, igi_registration *registration);
+                                                 igi_registration *registration);
 
 #endif

@@ -203,7 +203,7 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     IGI_TRY_GOTO(allocate_frame(ctx, &j->frames[frame], pixels, j->scene->bands));
     collect(j, frame, image, &visible);
     IGI_TRY_GOTO(check_pixels(ctx, j->scene, frame, &j->frames[frame], &visible));
-    IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, image, &visible, 1 / meta->camera.fl_x,
+    IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, j->tracer, &meta->camera, image, &visible,
                                           &j->registrations[frame]));
     frame_pixels *f = &j->frames[frame];
     IGI_TRY_GOTO(igi_outlines_measure(ctx, j->scene, j->tracer, &meta->camera, image, &visible,

@@ -8,6 +8,7 @@
 #include "observe/saturation.h"
 #include "recover/choice.h"
 #include "recover/doubts.h"
+#include "recover/poses.h"
 #include "specular/specular.h"
 #include "specular/yu99.h"
 
@@ -251,6 +252,7 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
 {
     igi_status status = IGI_OK;
     igi_observations *observations = NULL;
+    igi_poses *poses = NULL;
     igi_patches *patches = NULL;
     igi_problem *problem = NULL;
     igi_diffuse *diffuse = NULL;
@@ -258,6 +260,8 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     igi_recovery *r = NULL;
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
+    IGI_TRY_GOTO(igi_poses_mend(ctx, scene, tracer, o->registering, &observations, &poses));
+    if (poses) scene = &poses->scene;
     igi_stage_begin(ctx, "agreement");
     IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, observations));
     IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
@@ -281,6 +285,8 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
         memcpy(r->evidence, specular->evidence, scene->region_count * sizeof *r->evidence);
     count_gathered(problem, diffuse->rows, r->evidence);
     IGI_TRY_GOTO(draw(ctx, problem, diffuse, specular ? specular->irradiance : NULL, r));
+    if (poses) r->registered = poses->registered;
+    if (poses) poses->registered = NULL;
     *recovery = r;
     r = NULL;
 cleanup:
@@ -290,6 +296,7 @@ cleanup:
     igi_problem_destroy(problem);
     igi_patches_destroy(patches);
     igi_observations_destroy(observations);
+    igi_poses_destroy(poses);
     return status;
 }
 
@@ -366,6 +373,7 @@ void igi_recovery_destroy(igi_recovery *recovery)
     igi_materials_destroy(recovery->materials);
     igi_free(recovery->evidence);
     igi_free(recovery->read);
+    igi_registered_destroy(recovery->registered);
     for (size_t i = 0; i < recovery->comparison_count; i++) {
         igi_free(recovery->comparisons[i].frame);
         igi_image_destroy(recovery->comparisons[i].photo);

@@ -15,26 +15,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What one similarity of all cameras is expected to move the picture by, pixels. */
+#define TOGETHER_PX 2.0
 /* Fewer sites leave a camera where it was. */
 #define FEWEST_SITES 30
-/* Beside the noise: meshes are not that exact, and shading is not that linear. pixels */
-#define SITE_ERROR .05
 /* In standard deviations: where the loss turns linear, and what is left out. */
 #define LOSS 2.0
 #define OUTLIER 3.5
-/* The errors of so many sites are one: those along one edge are not independent. */
-#define SITES_AS_ONE 25.0
-/* A camera is expected to be right within so many pixels where edges do not tell. */
-#define PRIOR_PX 2.0
 
 typedef struct problem {
-    const igi_camera *cameras; /* [frame_count] where they are */
-    const edge_sites *sites;   /* [frame_count] */
-    size_t *begin;             /* [frame_count + 1] blocks */
+    const igi_camera *cameras;   /* [frame_count] where they are */
+    const igi_edge_sites *sites; /* [frame_count] */
+    size_t *begin;               /* [frame_count + 1] blocks */
     size_t frame_count;
-    bool *dropped;    /* [blocks] */
-    pose_units units; /* of one camera */
-    bool together;    /* one similarity about `pivot`, in units of the first camera's */
+    bool *dropped;      /* [blocks] */
+    pose_units units;   /* of one camera */
+    double expected_px; /* of each number that tells where a camera is, before edges tell */
+    double as_one;      /* so many sites are one */
+    bool together;      /* one similarity about `pivot`, in units of the first camera's */
     igi_vec pivot;
 } problem;
 
@@ -123,16 +121,16 @@ static void changed_camera(const problem *p, size_t frame, const double *change,
     move_camera(camera, &s);
 }
 
-static double distance_of(const edge_site *site, const igi_camera *camera)
+static double distance_of(const igi_edge_site *site, const igi_camera *camera)
 {
     double x, y;
     if (!igi_camera_project(camera, site->point, &x, &y)) return (double)NAN;
     return site->normal[0] * (site->seen[0] - x) + site->normal[1] * (site->seen[1] - y);
 }
 
-static double weight_of(const edge_site *site)
+static double weight_of(const igi_edge_site *site)
 {
-    return 1 / hypot(site->sigma, SITE_ERROR);
+    return 1 / hypot(site->sigma, IGI_SITE_ERROR);
 }
 
 /* Blocks are sites; behind them one prior a parameter. */
@@ -142,13 +140,13 @@ static bool residuals(void *user, size_t block, const double *x, double *r, doub
     size_t count = p->together ? 7 : 6, sites = p->begin[p->frame_count], frame = 0;
     if (block >= sites) {
         size_t k = block - sites;
-        double weight = sqrt(SITES_AS_ONE) / PRIOR_PX;
+        double weight = sqrt(p->as_one) / p->expected_px;
         r[0] = x[k] * weight;
         for (size_t i = 0; jacobian && i < count; i++) jacobian[i] = i == k ? weight : 0;
         return true;
     }
     while (p->begin[frame + 1] <= block) frame++;
-    const edge_site *site = &p->sites[frame].sites[block - p->begin[frame]];
+    const igi_edge_site *site = &p->sites[frame].sites[block - p->begin[frame]];
     double weight = p->dropped[block] ? 0 : weight_of(site);
     igi_camera camera;
     changed_camera(p, frame, x, &camera);
@@ -195,7 +193,7 @@ static void drop_outliers(problem *p, const double *change, double spread)
         igi_camera camera;
         changed_camera(p, f, change, &camera);
         for (size_t i = 0; i < p->sites[f].count; i++) {
-            const edge_site *site = &p->sites[f].sites[i];
+            const igi_edge_site *site = &p->sites[f].sites[i];
             double d = fabs(distance_of(site, &camera)) * weight_of(site);
             p->dropped[p->begin[f] + i] = !(d <= OUTLIER * fmax(1, spread));
         }
@@ -241,6 +239,7 @@ static igi_status prepare(igi_context *ctx, problem *p)
     p->units.turn_rad = 1 / p->cameras[0].fl_x;
     p->units.move_m = depth / (double)count / p->cameras[0].fl_x;
     p->pivot = igi_scale(sum, 1 / (float)count);
+    p->as_one = fmax(1, IGI_SITES_AS_ONE * p->cameras[0].height);
     return IGI_ALLOC(ctx, count, &p->dropped);
 }
 
@@ -263,14 +262,14 @@ static double image_sigma(problem *p, const double *change, const double *covari
         sum += variance / (w * w);
         used++;
     }
-    return used ? sqrt(SITES_AS_ONE * fmax(0, sum / (double)used)) : (double)INFINITY;
+    return used ? sqrt(p->as_one * fmax(0, sum / (double)used)) : (double)INFINITY;
 }
 
-igi_status pose_refine(igi_context *ctx, const edge_sites *sites, igi_camera *camera,
-                       double *sigma_px)
+igi_status pose_refine(igi_context *ctx, const igi_edge_sites *sites, double expected_px,
+                       igi_camera *camera, double *sigma_px)
 {
     igi_status status = IGI_OK;
-    problem p = {.cameras = camera, .sites = sites, .frame_count = 1};
+    problem p = {.cameras = camera, .sites = sites, .frame_count = 1, .expected_px = expected_px};
     double change[7] = {0}, covariance[36];
     igi_camera changed;
     *sigma_px = (double)INFINITY;
@@ -284,7 +283,7 @@ cleanup:
     return status;
 }
 
-igi_status pose_residual(igi_context *ctx, const edge_sites *sites, const igi_camera *camera,
+igi_status pose_residual(igi_context *ctx, const igi_edge_sites *sites, const igi_camera *camera,
                          double *rms_px)
 {
     const double none[7] = {0};
@@ -296,13 +295,43 @@ igi_status pose_residual(igi_context *ctx, const edge_sites *sites, const igi_ca
     return status;
 }
 
-igi_status pose_refine_together(igi_context *ctx, const edge_sites *sites, igi_scene *scene,
+/* Of squared distances, those of outliers cut. */
+static double misfit(const problem *p, const igi_camera *camera, double unit)
+{
+    double sum = 0;
+    for (size_t i = 0; i < p->sites->count; i++) {
+        double d = fabs(distance_of(&p->sites->sites[i], camera)) * weight_of(&p->sites->sites[i]);
+        sum += isfinite(d) ? fmin(d * d, OUTLIER * OUTLIER * unit * unit)
+                           : OUTLIER * OUTLIER * unit * unit;
+    }
+    return sum / (unit * unit * p->as_one);
+}
+
+igi_status pose_gain(igi_context *ctx, const igi_edge_sites *sites, const igi_camera *before,
+                     const igi_camera *after, double *gain)
+{
+    const double none[7] = {0};
+    double spread;
+    problem p = {.cameras = after, .sites = sites, .frame_count = 1};
+    *gain = 0;
+    igi_status status = prepare(ctx, &p);
+    if (status == IGI_OK) status = spread_of(ctx, &p, none, true, &spread);
+    if (status == IGI_OK)
+        *gain = misfit(&p, before, fmax(1, spread)) - misfit(&p, after, fmax(1, spread));
+    clear(&p);
+    return status;
+}
+
+igi_status pose_refine_together(igi_context *ctx, const igi_edge_sites *sites, igi_scene *scene,
                                 igi_similarity *similarity)
 {
     igi_status status = IGI_OK;
     igi_camera *cameras = NULL;
     double change[7] = {0};
-    problem p = {.sites = sites, .frame_count = scene->frame_count, .together = true};
+    problem p = {.sites = sites,
+                 .frame_count = scene->frame_count,
+                 .expected_px = TOGETHER_PX,
+                 .together = true};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &cameras));
     for (size_t i = 0; i < scene->frame_count; i++) cameras[i] = scene->frames[i].camera;
     p.cameras = cameras;

@@ -9,6 +9,7 @@
 #include "scene/camera.h"
 #include "lens/photographs.h"
 #include "observe/agreement.h"
+#include "observe/alignment.h"
 #include "register/register_private.h"
 
 #include <math.h>
@@ -17,9 +18,21 @@
 /* Pixels: edges this near are found at least. */
 #define NEAREST 1.5
 #define ROUNDS 5
-/* A frame counts as moved when that leaves less than this share of the residual, or so little of it
- * that there is nothing to gain. */
+#define LENS_ROUNDS 3
+/* A camera is moved where that leaves less than this share of the residual, and the edges gain more
+ * by it than six numbers gain by chance (chi-square, 1 %). */
 #define BETTER .98
+#define GAIN 16.8
+/* Of cameras whose edges are not found near, edges are looked for so far off, pixels; there must be as
+ * many then as seem to be where the camera was given. */
+#define FAR 10.0
+#define AS_MANY .8
+#define UNSURE_PX .7
+/* A shift of a picture by one pixel, of six numbers that have a part in it; and the least that they are
+ * allowed. */
+#define PART_OF_SHIFT .45
+#define LEAST_PX .1
+#define UNKNOWN_PX 2.0
 
 typedef struct job {
     igi_scene *scene;
@@ -27,13 +40,16 @@ typedef struct job {
     const igi_photographs *photographs;
     const igi_register_options *options;
     igi_registered *out;
-    edge_sites *sites; /* [frame_count] for what is done together */
-    double search_px;
+    igi_edge_sites *sites;           /* [frame_count] for what is done together */
+    igi_camera *given;               /* [frame_count] */
+    igi_registration *registrations; /* [frame_count] */
+    igi_alignment alignment;
 } job;
 
 void igi_register_options_init(igi_register_options *options)
 {
-    *options = (igi_register_options){.struct_size = sizeof *options, .search_px = 4};
+    *options = (igi_register_options){
+        .struct_size = sizeof *options, .search_px = 4, .compare = true};
 }
 
 static igi_status take(igi_context *ctx, const job *j, size_t frame, igi_image **photo)
@@ -44,15 +60,27 @@ static igi_status take(igi_context *ctx, const job *j, size_t frame, igi_image *
     return IGI_OK;
 }
 
+static igi_status find_sites(igi_context *ctx, const job *j, const igi_camera *camera,
+                             const igi_image *photo, double reach, igi_edge_sites *sites)
+{
+    igi_status status = IGI_OK;
+    igi_visible visible = {0};
+    const igi_edge_search search = {j->scene, j->tracer, camera, photo, &visible, reach, SIZE_MAX};
+    IGI_TRY_GOTO(igi_visible_create(ctx, j->scene, j->tracer, camera, &visible));
+    IGI_TRY_GOTO(igi_edge_sites_find(ctx, &search, sites));
+cleanup:
+    igi_visible_clear(&visible);
+    return status;
+}
+
 static igi_status find_for_all(igi_context *ctx, void *user, size_t frame, int worker)
 {
     job *j = user;
     igi_image *photo;
     (void)worker;
     IGI_TRY(take(ctx, j, frame, &photo));
-    j->sites[frame].count = 0;
-    igi_status status = edge_sites_find(ctx, j->scene, j->tracer, &j->scene->frames[frame].camera,
-                                        photo, j->search_px, &j->sites[frame]);
+    igi_status status = find_sites(ctx, j, &j->scene->frames[frame].camera, photo,
+                                   j->options->search_px, &j->sites[frame]);
     igi_image_destroy(photo);
     return status;
 }
@@ -90,7 +118,7 @@ cleanup:
 }
 
 /* Root mean square, over the sites, of the shift of their places between two cameras. */
-static double shift_between(const edge_sites *sites, const igi_camera *a, const igi_camera *b)
+static double shift_between(const igi_edge_sites *sites, const igi_camera *a, const igi_camera *b)
 {
     double sum = 0, p[2], q[2];
     size_t count = 0;
@@ -104,25 +132,126 @@ static double shift_between(const edge_sites *sites, const igi_camera *a, const 
     return count ? sqrt(sum / (double)count) : 0;
 }
 
-/* Finds and refines until the camera settles; `sites` holds what was found last. */
-static igi_status refine_frame(igi_context *ctx, const job *j, const igi_image *photo,
-                               igi_camera *camera, edge_sites *sites, igi_registered_frame *out)
+/* ---- what all share ---- */
+
+static igi_status measure_frame(igi_context *ctx, void *user, size_t frame, int worker)
 {
-    double reach = j->search_px;
+    job *j = user;
+    igi_status status = IGI_OK;
+    igi_image *photo = NULL;
+    igi_visible visible = {0};
+    const igi_camera *camera = &j->scene->frames[frame].camera;
+    (void)worker;
+    IGI_TRY_GOTO(take(ctx, j, frame, &photo));
+    IGI_TRY_GOTO(igi_visible_create(ctx, j->scene, j->tracer, camera, &visible));
+    IGI_TRY_GOTO(igi_registration_measure(ctx, j->scene, j->tracer, camera, photo, &visible,
+                                          &j->registrations[frame]));
+cleanup:
+    igi_visible_clear(&visible);
+    igi_image_destroy(photo);
+    return status;
+}
+
+static igi_status measure(igi_context *ctx, job *j)
+{
+    IGI_TRY(igi_parallel_for(ctx, j->scene->frame_count, measure_frame, j));
+    return igi_alignment_judge(ctx, j->registrations, j->scene->frame_count, &j->alignment);
+}
+
+/* A principal point and a focal length that are wrong move all pictures alike, which poses do not: they
+ * are put right first. Pictures that a calibration made have those that they were made for. */
+static igi_status refine_lens(igi_context *ctx, job *j)
+{
+    igi_registered *r = j->out;
+    IGI_TRY(measure(ctx, j));
+    r->shared.magnification = 1;
+    for (int round = 0; round < LENS_ROUNDS && !j->scene->calibration; round++) {
+        const igi_alignment a = j->alignment;
+        if (!a.shift_is_shared && !a.magnified_is_shared) break;
+        double larger = 1;
+        for (size_t i = 0; i < j->scene->frame_count; i++) {
+            igi_camera *c = &j->scene->frames[i].camera;
+            if (a.magnified_is_shared)
+                larger = 1 + a.magnified / hypot(c->width / 2.0, c->height / 2.0);
+            c->cx += a.shift_is_shared ? a.shift[0] : 0;
+            c->cy += a.shift_is_shared ? a.shift[1] : 0;
+            c->fl_x *= larger;
+            c->fl_y *= larger;
+        }
+        r->shared.magnification *= larger;
+        for (int k = 0; k < 2; k++) r->shared.shift_px[k] += a.shift_is_shared ? a.shift[k] : 0;
+        r->lens = true;
+        IGI_TRY(measure(ctx, j));
+    }
+    return IGI_OK;
+}
+
+/* ---- each camera ---- */
+
+/* What each number of its place is expected to move the picture by. */
+static double expected_px(const job *j, size_t frame)
+{
+    const igi_registration *r = &j->registrations[frame];
+    double shift = j->alignment.typical_px;
+    if (j->alignment.known == 0) return UNKNOWN_PX;
+    if (igi_registration_is_off(r)) shift = fmax(shift, r->shift);
+    return fmax(LEAST_PX, PART_OF_SHIFT * shift);
+}
+
+typedef struct frame_job {
+    const job *j;
+    const igi_image *photo;
+    const igi_camera *start;
+    igi_edge_sites sites; /* as found last */
+} frame_job;
+
+typedef struct attempt {
+    igi_camera camera;
+    igi_registered_frame out;
+    bool better;
+} attempt;
+
+/* Finds and refines until the camera settles. */
+static igi_status refine_from(igi_context *ctx, frame_job *f, double reach, double expected,
+                              attempt *a)
+{
     for (int round = 0; round < ROUNDS; round++) {
-        igi_camera before = *camera;
-        sites->count = 0;
-        IGI_TRY(edge_sites_find(ctx, j->scene, j->tracer, camera, photo, reach, sites));
-        if (round == 0) IGI_TRY(pose_residual(ctx, sites, camera, &out->before_px));
-        IGI_TRY(pose_refine(ctx, sites, camera, &out->sigma_px));
-        double moved = shift_between(sites, &before, camera);
+        igi_camera before = a->camera;
+        IGI_TRY(find_sites(ctx, f->j, &a->camera, f->photo, reach, &f->sites));
+        if (round == 0) IGI_TRY(pose_residual(ctx, &f->sites, &a->camera, &a->out.before_px));
+        IGI_TRY(pose_refine(ctx, &f->sites, expected, &a->camera, &a->out.sigma_px));
+        double moved = shift_between(&f->sites, &before, &a->camera);
         if (reach <= NEAREST && moved < .01) break;
         reach = fmax(NEAREST, fmin(reach / 2, 3 * moved));
     }
-    sites->count = 0;
-    IGI_TRY(edge_sites_find(ctx, j->scene, j->tracer, camera, photo, NEAREST, sites));
-    out->edges = sites->count;
-    return pose_residual(ctx, sites, camera, &out->after_px);
+    IGI_TRY(find_sites(ctx, f->j, &a->camera, f->photo, NEAREST, &f->sites));
+    a->out.edges = f->sites.count;
+    return pose_residual(ctx, &f->sites, &a->camera, &a->out.after_px);
+}
+
+/* Is what is found better than where it was? With too few edges it is not. */
+static igi_status try_from(igi_context *ctx, frame_job *f, double reach, double expected,
+                           attempt *a)
+{
+    double gain, there;
+    *a = (attempt){.camera = *f->start, .out = {.before_px = (double)NAN, .after_px = (double)NAN}};
+    igi_status status = refine_from(ctx, f, reach, expected, a);
+    if (status == IGI_OK) status = pose_residual(ctx, &f->sites, f->start, &there);
+    if (status == IGI_OK) status = pose_gain(ctx, &f->sites, f->start, &a->camera, &gain);
+    if (status == IGI_E_NO_ANSWER) return IGI_OK;
+    IGI_TRY(status);
+    a->better = a->out.after_px < BETTER * fmin(there, a->out.before_px) && gain > GAIN;
+    return IGI_OK;
+}
+
+static igi_status try_far(igi_context *ctx, frame_job *f, attempt *a)
+{
+    attempt far;
+    IGI_TRY(find_sites(ctx, f->j, f->start, f->photo, NEAREST, &f->sites));
+    size_t edges = f->sites.count;
+    IGI_TRY(try_from(ctx, f, FAR, PART_OF_SHIFT * FAR, &far));
+    if (far.better && (double)far.out.edges >= AS_MANY * (double)edges) *a = far;
+    return IGI_OK;
 }
 
 static igi_status register_frame(igi_context *ctx, void *user, size_t frame, int worker)
@@ -130,23 +259,30 @@ static igi_status register_frame(igi_context *ctx, void *user, size_t frame, int
     job *j = user;
     igi_status status = IGI_OK;
     igi_image *photo = NULL;
-    edge_sites sites = {0};
+    igi_camera *camera = &j->scene->frames[frame].camera;
+    const igi_camera start = *camera;
+    const igi_registration *r = &j->registrations[frame];
     igi_registered_frame *out = &j->out->frames[frame];
-    igi_camera camera = j->scene->frames[frame].camera;
+    frame_job f = {.j = j, .start = &start};
+    attempt a = {.better = false};
     (void)worker;
-    out->before_px = out->after_px = (double)NAN;
     IGI_TRY_GOTO(take(ctx, j, frame, &photo));
-    status = refine_frame(ctx, j, photo, &camera, &sites, out);
-    if (status == IGI_E_NO_ANSWER) status = IGI_OK; /* it stays where it is, and says so */
-    else if (status == IGI_OK && out->after_px < BETTER * out->before_px) {
-        out->moved = true;
-        out->moved_px = shift_between(&sites, &camera, &j->scene->frames[frame].camera);
-        j->scene->frames[frame].camera = camera;
-    } else if (status == IGI_OK) {
-        out->after_px = out->before_px;
-    }
+    f.photo = photo;
+    IGI_TRY_GOTO(try_from(ctx, &f, j->options->search_px, expected_px(j, frame), &a));
+    if (!a.better && (r->edges == 0 || r->shift_error > UNSURE_PX || igi_registration_is_off(r)))
+        IGI_TRY_GOTO(try_far(ctx, &f, &a));
+    a.out.image = out->image;
+    *out = a.out;
+    if (a.better) *camera = a.camera;
+    else out->after_px = out->before_px;
+    out->moved = a.better || j->out->lens;
+    if (!out->moved || isnan(out->before_px)) goto cleanup;
+    IGI_TRY_GOTO(find_sites(ctx, j, camera, photo, NEAREST, &f.sites));
+    out->moved_px = shift_between(&f.sites, camera, &j->given[frame]);
+    if (j->out->lens) status = pose_residual(ctx, &f.sites, &j->given[frame], &out->before_px);
+    if (status == IGI_E_NO_ANSWER) status = IGI_OK;
 cleanup:
-    igi_free(sites.sites);
+    igi_free(f.sites.sites);
     igi_image_destroy(photo);
     return status;
 }
@@ -211,6 +347,7 @@ igi_status igi_register(igi_context *ctx, igi_scene *scene, const igi_register_o
     igi_tracer *tracer = NULL;
     igi_photographs *photographs = NULL;
     igi_registered *r = NULL;
+    job j = {0};
     *registered = NULL;
     igi_register_options_init(&o);
     if (options) o = *options;
@@ -222,16 +359,26 @@ igi_status igi_register(igi_context *ctx, igi_scene *scene, const igi_register_o
     for (int i = 0; i < 3; i++) r->together.rotation[i][i] = 1;
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     IGI_TRY_GOTO(igi_photographs_open(ctx, scene, &photographs));
-    job j = {scene, tracer, photographs, &o, r, NULL, o.search_px};
+    j = (job){
+        .scene = scene, .tracer = tracer, .photographs = photographs, .options = &o, .out = r};
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.given));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.registrations));
+    for (size_t i = 0; i < scene->frame_count; i++) {
+        j.given[i] = scene->frames[i].camera;
+        IGI_TRY_GOTO(igi_strdup(ctx, scene->frames[i].name, &r->frames[i].image));
+    }
     if (o.together) IGI_TRY_GOTO(refine_together(ctx, &j));
+    IGI_TRY_GOTO(refine_lens(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, register_frame, &j));
     IGI_TRY_GOTO(sum_up(ctx, r));
-    IGI_TRY_GOTO(compare_photographs(ctx, scene, tracer, r));
+    if (o.compare) IGI_TRY_GOTO(compare_photographs(ctx, scene, tracer, r));
     *registered = r;
     r = NULL;
 cleanup:
     igi_stage_begin(ctx, NULL);
     igi_registered_destroy(r);
+    igi_free(j.given);
+    igi_free(j.registrations);
     igi_photographs_close(photographs);
     igi_tracer_destroy(tracer);
     return status;
@@ -240,6 +387,8 @@ cleanup:
 void igi_registered_destroy(igi_registered *registered)
 {
     if (!registered) return;
+    for (size_t i = 0; registered->frames && i < registered->frame_count; i++)
+        igi_free(registered->frames[i].image);
     igi_free(registered->frames);
     igi_free(registered);
 }

@@ -56,6 +56,33 @@ static json_t *region_json(const igi_material *m, const igi_region_evidence *e, 
     return NULL;
 }
 
+static json_t *registered_json(const igi_registered *r)
+{
+    json_t *o = json_object(), *images = json_object();
+    int bad = json_object_set_new(o, "before_px", number(r->before_px));
+    bad |= json_object_set_new(o, "after_px", number(r->after_px));
+    if (r->lens) {
+        bad |= json_object_set_new(o, "principal_point_px",
+                                   json_pack("[ff]", r->shared.shift_px[0], r->shared.shift_px[1]));
+        bad |= json_object_set_new(o, "focal_length", number(r->shared.magnification));
+    }
+    for (size_t i = 0; i < r->frame_count; i++) {
+        const igi_registered_frame *f = &r->frames[i];
+        json_t *image = json_object();
+        bad |= json_object_set_new(image, "edges", json_integer((json_int_t)f->edges));
+        bad |= json_object_set_new(image, "before_px", number(f->before_px));
+        bad |= json_object_set_new(image, "after_px", number(f->after_px));
+        bad |= json_object_set_new(image, "moved_px", number(f->moved_px));
+        bad |= json_object_set_new(image, "sigma_px", number(f->sigma_px));
+        bad |= json_object_set_new(image, "moved", json_boolean(f->moved));
+        bad |= json_object_set_new(images, f->image, image);
+    }
+    bad |= json_object_set_new(o, "images", images);
+    if (!bad) return o;
+    json_decref(o);
+    return NULL;
+}
+
 igi_status igi_evidence_save(igi_context *ctx, const igi_recovery *recovery, const char *folder)
 {
     igi_status status = IGI_OK;
@@ -69,6 +96,8 @@ igi_status igi_evidence_save(igi_context *ctx, const igi_recovery *recovery, con
                 regions, m->materials[i].region,
                 region_json(&m->materials[i], &recovery->evidence[i], m->bands));
     bad |= json_object_set_new(root, "regions", regions);
+    if (recovery->registered)
+        bad |= json_object_set_new(root, "registered", registered_json(recovery->registered));
     if (bad) IGI_TRY_GOTO(igi_fail(ctx, IGI_E_SYSTEM, "evidence.json: no memory, or no UTF-8"));
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/evidence.json", folder));
     status = igi_file_save_json(ctx, path, root, 6);

@@ -87,7 +87,8 @@ static double wrong_by_all(const room *r)
     return sqrt(sum / (double)r->scene->frame_count);
 }
 
-static double albedo_error(const room *r)
+/* *registered: whether recovery moved the cameras by itself. */
+static double albedo_error(const room *r, igi_registering when, bool *registered)
 {
     static const char folder[] = "test_register.out";
     igi_recover_options options;
@@ -96,9 +97,11 @@ static double albedo_error(const room *r)
     double error = 1;
     igi_recover_options_init(&options);
     options.model = IGI_LAMBERT;
+    options.registering = when;
     CHECK_OK(r->ctx, igi_recover(r->ctx, r->scene, &options, &recovery));
     CHECK(mkdir(folder, 0777) == 0 || errno == EEXIST);
     if (!recovery) return 1;
+    *registered = recovery->registered != NULL;
     CHECK_OK(r->ctx, igi_materials_save(r->ctx, recovery->materials, r->scene, folder));
     CHECK_OK(r->ctx, igi_validate(r->ctx, folder, r->truth_folder, &v));
     if (v) error = v->albedo_mean;
@@ -118,13 +121,14 @@ static void noise_is_undone(void)
     igi_registered *registered = NULL;
     double before = wrong_by_all(&r);
     CHECK_OK(r.ctx, igi_register(r.ctx, r.scene, NULL, &registered));
-    double after = wrong_by_all(&r), error = albedo_error(&r);
+    bool moved = true;
+    double after = wrong_by_all(&r), error = albedo_error(&r, IGI_REGISTER_AUTO, &moved);
     printf("cameras off by %.3f px, then %.3f px", before, after);
     if (registered)
         printf("; edges by %.3f px, then %.3f px", registered->before_px, registered->after_px);
     printf("; albedo %.3f %%\n", 100 * error);
     CHECK(before > 1.5 && after < .2);
-    CHECK(error < .001);
+    CHECK(error < .001 && !moved); /* what is registered is left alone */
     size_t honest = 0;
     for (size_t i = 0; registered && i < registered->frame_count; i++)
         honest += wrong_by(&r, i) < 5 * registered->frames[i].sigma_px;
@@ -133,4 +137,23 @@ static void noise_is_undone(void)
     close_room(&r);
 }
 
-TEST_MAIN({"noise_is_undone", noise_is_undone})
+/* Recovery finds out for itself that cameras are off, and says so; told not to, it leaves them. */
+static void recovery_registers(void)
+{
+    room r;
+    if (!open_room("scenes/cornell-diffuse", &r)) return;
+    igi_rng rng = igi_rng_make(8, 200);
+    bool moved = false, kept = true;
+    r.scene->frame_count = 12; /* enough, in half the time */
+    for (size_t i = 0; i < r.scene->frame_count; i++)
+        put_wrong(&r.scene->frames[i].camera, 2.5, 3, &rng);
+    double error = albedo_error(&r, IGI_REGISTER_AUTO, &moved);
+    double without = albedo_error(&r, IGI_REGISTER_NEVER, &kept);
+    printf("albedo %.3f %%; with the cameras as given %.3f %%\n", 100 * error, 100 * without);
+    CHECK(moved && !kept);
+    CHECK(error < .001 && error < without / 3);
+    r.scene->frame_count = 24;
+    close_room(&r);
+}
+
+TEST_MAIN({"noise_is_undone", noise_is_undone}, {"recovery_registers", recovery_registers})

@@ -190,7 +190,7 @@ static igi_registration registration_of(size_t frame, double pixels)
         }
     turn(camera, pixels);
     CHECK_OK(ctx, igi_visible_create(ctx, scene, tracer, camera, &visible));
-    CHECK_OK(ctx, igi_registration_measure(ctx, scene, image, &visible, 1 / camera->fl_x, &r));
+    CHECK_OK(ctx, igi_registration_measure(ctx, scene, tracer, camera, image, &visible, &r));
     *camera = right;
     igi_visible_clear(&visible);
     igi_image_destroy(image);

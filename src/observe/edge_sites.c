@@ -9,7 +9,7 @@
  * alone, each on its side, so that nothing else can be mistaken for it; lamps are left out, whose
  * light a lens scatters.
  */
-#include "register/register_private.h"
+#include "observe/edge_sites.h"
 
 #include "base/context.h"
 #include "scene/camera.h"
@@ -26,24 +26,33 @@
 #define BISECTIONS 7
 /* How far the three crossings may be off a line, pixels. */
 #define STRAIGHT .12
-/* Rows (columns) that are looked at in a photograph. */
+/* Rows (columns) that are looked along: each, but of large photographs so many; of those, at first
+ * one of so many. */
 #define MOST_ROWS 400
+#define SPARSE 8
 
 typedef struct finder {
     const igi_scene *scene;
     const igi_tracer *tracer;
     const igi_camera *camera;
     const igi_image *photo;
+    const igi_edge_search *search;
     igi_vec centre;
     float pixel_rad;
     uint32_t *labels; /* [height][width] of connected surfaces */
     const igi_visible *visible;
     int axis; /* 0: along rows, 1: along columns */
-    double reach;
     uint64_t rays;
 } finder;
 
 /* ---- surfaces: pixels joined where no edge lies between ---- */
+
+static bool is_edge(const finder *f, int i, int k)
+{
+    const igi_visible *v = f->visible;
+    if (v->near_edge[i] < 2 || v->near_edge[k] < 2) return false; /* an edge marks both its sides */
+    return igi_visible_is_edge(f->scene, f->tracer, &v->hits[i], &v->hits[k], f->pixel_rad);
+}
 
 static uint32_t root_of(uint32_t *parents, uint32_t i)
 {
@@ -62,17 +71,12 @@ static void join(uint32_t *parents, uint32_t a, uint32_t b)
 static void label_surfaces(finder *f)
 {
     int w = f->visible->width, h = f->visible->height;
-    const igi_hit *hits = f->visible->hits;
     for (int i = 0; i < w * h; i++) f->labels[i] = (uint32_t)i;
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++) {
             int i = y * w + x;
-            if (x + 1 < w &&
-                !igi_visible_is_edge(f->scene, f->tracer, &hits[i], &hits[i + 1], f->pixel_rad))
-                join(f->labels, (uint32_t)i, (uint32_t)i + 1);
-            if (y + 1 < h &&
-                !igi_visible_is_edge(f->scene, f->tracer, &hits[i], &hits[i + w], f->pixel_rad))
-                join(f->labels, (uint32_t)i, (uint32_t)(i + w));
+            if (x + 1 < w && !is_edge(f, i, i + 1)) join(f->labels, (uint32_t)i, (uint32_t)i + 1);
+            if (y + 1 < h && !is_edge(f, i, i + w)) join(f->labels, (uint32_t)i, (uint32_t)(i + w));
         }
     for (int i = 0; i < w * h; i++) f->labels[i] = root_of(f->labels, (uint32_t)i);
 }
@@ -155,34 +159,54 @@ static bool trace_edge(finder *f, int along, int across, const uint32_t sides[2]
     return fabs(*slope) <= STEEPEST && fabs((crossing[0] + crossing[1]) / 2 - *place) < STRAIGHT;
 }
 
+/* The row of pixels that a site is measured on. */
+typedef struct strip {
+    int across, first, count;
+    double place, slope; /* of the edge on this row, and as it leans */
+    double reach;
+    const uint32_t *sides;
+} strip;
+
 /* Around the site there are these two surfaces alone, each on its side of the line. */
-static bool is_alone(const finder *f, int across, double place, double slope,
-                     const uint32_t sides[2], int first, int count)
+static bool is_alone(const finder *f, const strip *s)
 {
-    int rows = (int)ceil(f->reach);
+    int rows = (int)ceil(s->reach);
     for (int r = -rows; r <= rows; r++)
-        for (int k = first; k < first + count; k++) {
-            size_t at = pixel_at(f, k, across + r);
-            double off = k + .5 - (place + slope * r);
+        for (int k = s->first; k < s->first + s->count; k++) {
+            size_t at = pixel_at(f, k, s->across + r);
+            double off = k + .5 - (s->place + s->slope * r);
             if (at == SIZE_MAX) return false;
             if (fabs(off) < 1) {
-                if (f->labels[at] != sides[0] && f->labels[at] != sides[1]) return false;
-            } else if (f->labels[at] != sides[off > 0]) {
+                if (f->labels[at] != s->sides[0] && f->labels[at] != s->sides[1]) return false;
+            } else if (f->labels[at] != s->sides[off > 0]) {
                 return false;
             }
         }
     return true;
 }
 
+/* As wide as what is searched, or else half as wide: in small pictures few edges are alone. */
+static bool lay_strip(const finder *f, strip *s)
+{
+    s->reach = fmin(f->search->reach, MOST_REACH - 1);
+    for (int attempt = 0; attempt < 2; attempt++, s->reach /= 2) {
+        int wide = (int)ceil(s->reach + fabs(s->slope) / 2) + LEVEL_PIXELS;
+        s->first = (int)floor(s->place) - wide;
+        s->count = 2 * wide + 1;
+        if (s->count <= MOST_PIXELS && is_alone(f, s)) return true;
+    }
+    return false;
+}
+
 /* One number a pixel: how far its colour lies on the way from the one side's to the other's. */
-static bool project_colours(const finder *f, int first, int count, int across, double *y)
+static bool project_colours(const finder *f, const strip *s, double *y)
 {
     const igi_image *image = f->photo;
-    int bands = f->scene->bands;
+    int bands = f->scene->bands, count = s->count;
     double way[IGI_MAX_BANDS] = {0}, length = 0;
     const float *pixels[MOST_PIXELS];
     for (int i = 0; i < count; i++)
-        pixels[i] = image->samples + pixel_at(f, first + i, across) * (size_t)image->channels;
+        pixels[i] = image->samples + pixel_at(f, s->first + i, s->across) * (size_t)image->channels;
     for (int b = 0; b < bands; b++) {
         for (int i = 0; i < LEVEL_PIXELS; i++)
             way[b] += (double)pixels[count - 1 - i][b] - (double)pixels[i][b];
@@ -196,71 +220,80 @@ static bool project_colours(const finder *f, int first, int count, int across, d
     return true;
 }
 
-static igi_status add_site(igi_context *ctx, finder *f, int along, int across, edge_sites *sites)
+static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
+                           igi_edge_sites *sites)
 {
     size_t here = pixel_at(f, along, across), next = pixel_at(f, along + 1, across);
     const uint32_t sides[2] = {f->labels[here], f->labels[next]};
-    double place, slope, y[MOST_PIXELS], seen, sigma;
+    strip s = {.across = across, .sides = sides};
+    double y[MOST_PIXELS], seen, sigma;
     igi_hit nearer;
     if (sides[0] == sides[1] || is_lamp(f, &f->visible->hits[here]) ||
         is_lamp(f, &f->visible->hits[next]) ||
-        !trace_edge(f, along, across, sides, &place, &slope, &nearer))
+        !trace_edge(f, along, across, sides, &s.place, &s.slope, &nearer))
         return IGI_OK;
-    int wide = (int)ceil(f->reach + fabs(slope) / 2) + LEVEL_PIXELS;
-    int first = (int)floor(place) - wide, count = 2 * wide + 1;
-    if (count > MOST_PIXELS || !is_alone(f, across, place, slope, sides, first, count) ||
-        !project_colours(f, first, count, across, y) ||
-        !edge_profile_measure(y, count, place - first, f->reach, slope, &seen, &sigma))
+    if (!lay_strip(f, &s) || !project_colours(f, &s, y) ||
+        !igi_edge_profile_measure(y, s.count, s.place - s.first, s.reach, s.slope, &seen, &sigma))
         return IGI_OK;
-    edge_site *grown = igi_grow(ctx, sites->sites, &sites->capacity, sites->count + 1,
-                                sizeof *grown);
+    igi_edge_site *grown = igi_grow(ctx, sites->sites, &sites->capacity, sites->count + 1,
+                                    sizeof *grown);
     if (!grown) return IGI_E_SYSTEM;
     sites->sites = grown;
-    double norm = 1 / sqrt(1 + slope * slope);
-    edge_site *s = &grown[sites->count++];
+    double norm = 1 / sqrt(1 + s.slope * s.slope);
+    igi_edge_site *site = &grown[sites->count++];
     int a = f->axis, b = 1 - f->axis;
-    s->point = igi_triangle_point(&f->scene->mesh, nearer.triangle, nearer.u, nearer.v);
-    s->seen[a] = seen + first;
-    s->seen[b] = across + .5;
-    s->normal[a] = norm;
-    s->normal[b] = -slope * norm;
-    s->offset = (seen + first - place) * norm;
-    s->sigma = sigma * norm;
+    site->point = igi_triangle_point(&f->scene->mesh, nearer.triangle, nearer.u, nearer.v);
+    site->seen[a] = seen + s.first;
+    site->seen[b] = across + .5;
+    site->normal[a] = norm;
+    site->normal[b] = -s.slope * norm;
+    site->offset = (seen + s.first - s.place) * norm;
+    site->sigma = sigma * norm;
     return IGI_OK;
 }
 
-static igi_status scan(igi_context *ctx, finder *f, edge_sites *sites)
+static igi_status scan(igi_context *ctx, finder *f, int first, int step, igi_edge_sites *sites)
 {
-    int length = f->axis == 0 ? f->visible->width : f->visible->height;
-    int rows = f->axis == 0 ? f->visible->height : f->visible->width;
-    int step = (rows + MOST_ROWS - 1) / MOST_ROWS;
-    for (int across = step / 2; across < rows; across += step)
-        for (int along = 0; along + 1 < length; along++)
-            IGI_TRY(add_site(ctx, f, along, across, sites));
+    for (f->axis = 0; f->axis < 2; f->axis++) {
+        int length = f->axis == 0 ? f->visible->width : f->visible->height;
+        int rows = f->axis == 0 ? f->visible->height : f->visible->width;
+        for (int across = first; across < rows; across += step)
+            for (int along = 0; along + 1 < length; along++)
+                IGI_TRY(add_site(ctx, f, along, across, sites));
+    }
     return IGI_OK;
 }
 
-igi_status edge_sites_find(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
-                           const igi_camera *camera, const igi_image *photo, double reach,
-                           edge_sites *sites)
+/* Every eighth row first, then those halfway between, until that is enough. */
+static igi_status scan_all(igi_context *ctx, finder *f, igi_edge_sites *sites)
+{
+    int least = (f->visible->height + MOST_ROWS - 1) / MOST_ROWS;
+    sites->step = SPARSE * least;
+    IGI_TRY(scan(ctx, f, 0, sites->step, sites));
+    for (; sites->step > least && sites->count < f->search->enough; sites->step /= 2)
+        IGI_TRY(scan(ctx, f, sites->step / 2, sites->step, sites));
+    return IGI_OK;
+}
+
+igi_status igi_edge_sites_find(igi_context *ctx, const igi_edge_search *search,
+                               igi_edge_sites *sites)
 {
     igi_status status = IGI_OK;
-    igi_visible visible = {0};
-    finder f = {.scene = scene,
-                .tracer = tracer,
-                .camera = camera,
-                .photo = photo,
-                .centre = igi_camera_centre(camera),
-                .pixel_rad = (float)(1 / camera->fl_x),
-                .visible = &visible,
-                .reach = fmin(reach, MOST_REACH - 1)};
-    IGI_TRY_GOTO(igi_visible_create(ctx, scene, tracer, camera, &visible));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, (size_t)visible.width * (size_t)visible.height, &f.labels));
+    finder f = {.scene = search->scene,
+                .tracer = search->tracer,
+                .camera = search->camera,
+                .photo = search->photo,
+                .search = search,
+                .centre = igi_camera_centre(search->camera),
+                .pixel_rad = (float)(1 / search->camera->fl_x),
+                .visible = search->visible};
+    size_t pixels = (size_t)f.visible->width * (size_t)f.visible->height;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &f.labels));
     label_surfaces(&f);
-    for (f.axis = 0; f.axis < 2; f.axis++) IGI_TRY_GOTO(scan(ctx, &f, sites));
+    sites->count = 0;
+    IGI_TRY_GOTO(scan_all(ctx, &f, sites));
 cleanup:
     igi_count_rays(ctx, f.rays);
     igi_free(f.labels);
-    igi_visible_clear(&visible);
     return status;
 }

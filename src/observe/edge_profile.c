@@ -10,12 +10,14 @@
  * prior holds the slopes of the shading, which noise would otherwise buy.
  */
 #include "base/solve.h"
-#include "register/register_private.h"
+#include "observe/edge_sites.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Steps of the search, pixels; a parabola through the best three gives the rest. */
-#define COARSE .25
+#define COARSE .5
+#define MIDDLE .1
 #define FINE .02
 /* The prior's standard deviation of a shading, of the step a pixel. */
 #define SHADING .03
@@ -45,29 +47,36 @@ typedef struct profile {
     double slope, prior; /* 1 / variance of the shading, in units of the residuals' */
 } profile;
 
-/* The misfit with the step at `at`; levels: a0 a1 b0 b1. */
+/* The misfit with the step at `at`; levels: a0 a1 b0 b1. Of a least-squares solution x of M x = v, it
+ * is the sum of squares less v x. */
 static double fit_levels(const profile *p, double at, double levels[4])
 {
-    double m[16] = {0}, sum = 0;
-    for (int k = 0; k < 4; k++) levels[k] = 0;
+    double m[16] = {0}, v[4] = {0}, sum = 0, blurred = (1 + fabs(p->slope)) / 2;
     for (int i = 0; i < p->count; i++) {
-        double t = i + .5 - at, c = coverage(t, p->slope);
+        double t = i + .5 - at, y = p->y[i];
+        sum += y * y;
+        if (fabs(t) >= blurred) {
+            int k = t > 0 ? 2 : 0;
+            m[5 * k] += 1;
+            m[5 * k + 4] += t;
+            m[5 * k + 5] += t * t;
+            v[k] += y;
+            v[k + 1] += t * y;
+            continue;
+        }
+        double c = coverage(t, p->slope);
         const double basis[4] = {1 - c, t * (1 - c), c, t * c};
         for (int j = 0; j < 4; j++) {
-            for (int k = 0; k < 4; k++) m[4 * j + k] += basis[j] * basis[k];
-            levels[j] += basis[j] * p->y[i];
+            for (int k = 0; k <= j; k++) m[4 * j + k] += basis[j] * basis[k];
+            v[j] += basis[j] * y;
         }
     }
     m[5] += p->prior;
     m[15] += p->prior;
+    memcpy(levels, v, sizeof v);
     if (!igi_solve_cholesky(m, 4, levels, 1)) return HUGE_VAL;
-    for (int i = 0; i < p->count; i++) {
-        double t = i + .5 - at, c = coverage(t, p->slope);
-        double off = p->y[i] - (levels[0] + levels[1] * t) * (1 - c) -
-                     (levels[2] + levels[3] * t) * c;
-        sum += off * off;
-    }
-    return sum + p->prior * (levels[1] * levels[1] + levels[3] * levels[3]);
+    for (int k = 0; k < 4; k++) sum -= v[k] * levels[k];
+    return fmax(0, sum);
 }
 
 static double search(const profile *p, double from, double to, double step, double *place)
@@ -93,8 +102,8 @@ static double information(const profile *p, double at, const double levels[4])
     return sum;
 }
 
-bool edge_profile_measure(const double *y, int count, double expected, double reach, double slope,
-                          double *place, double *sigma)
+bool igi_edge_profile_measure(const double *y, int count, double expected, double reach,
+                              double slope, double *place, double *sigma)
 {
     profile p = {y, count, slope, 0};
     double levels[4], high = 0;
@@ -106,13 +115,14 @@ bool edge_profile_measure(const double *y, int count, double expected, double re
     p.prior = .03 * .03 / (SHADING * SHADING);
     double at = expected;
     (void)search(&p, expected - reach, expected + reach, COARSE, &at);
-    if (fabs(at - expected) > reach - COARSE) return false;
-    (void)search(&p, at - COARSE, at + COARSE, FINE * 2, &at);
+    if (fabs(at - expected) > reach - COARSE / 2) return false;
+    (void)search(&p, at - COARSE, at + COARSE, MIDDLE, &at);
+    (void)search(&p, at - MIDDLE / 2, at + MIDDLE / 2, MIDDLE / 2, &at);
     double below = fit_levels(&p, at - FINE, levels), above = fit_levels(&p, at + FINE, levels);
     double here = fit_levels(&p, at, levels), bend = below - 2 * here + above;
     if (bend > 0) {
         double shift = .5 * (below - above) / bend;
-        at += FINE * fmax(-1, fmin(1, shift));
+        at += fmax(-MIDDLE / 4, fmin(MIDDLE / 4, FINE * shift));
     }
     double misfit = fit_levels(&p, at, levels), variance = misfit / (count - 5);
     double step = fabs(levels[2] - levels[0]), info = information(&p, at, levels);

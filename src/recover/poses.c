@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "recover/poses.h"
+
+#include "observe/alignment.h"
+
+#include <math.h>
+#include <string.h>
+
+static igi_status is_needed(igi_context *ctx, const igi_observations *o, igi_registering when,
+                            bool *needed)
+{
+    igi_alignment a;
+    *needed = when == IGI_REGISTER_ALWAYS;
+    if (when != IGI_REGISTER_AUTO) return IGI_OK;
+    IGI_TRY(igi_alignment_judge(ctx, o->registrations, o->frame_count, &a));
+    *needed = a.all_off;
+    for (size_t i = 0; i < o->frame_count; i++)
+        *needed = *needed || igi_registration_is_off(&o->registrations[i]);
+    return IGI_OK;
+}
+
+static size_t count_moved(const igi_registered *r)
+{
+    size_t moved = 0;
+    for (size_t i = 0; i < r->frame_count; i++) moved += r->frames[i].moved;
+    return moved;
+}
+
+static igi_status say_lens(igi_context *ctx, const igi_registered *r, const igi_scene *scene,
+                           igi_observations *o)
+{
+    char *sentence;
+    const double *shift = r->shared.shift_px;
+    double larger = r->shared.magnification - 1;
+    const igi_camera *c = &scene->frames[0].camera;
+    if (hypot(shift[0], shift[1]) > 0) {
+        IGI_TRY(
+            igi_strprintf(ctx, &sentence,
+                          "all photographs are shifted alike against the mesh, by %+.2f columns "
+                          "and %+.2f rows: the principal point is off; %.2f, %.2f was taken in "
+                          "place of the cameras' cx, cy",
+                          shift[0], shift[1], c->cx, c->cy));
+        IGI_TRY(igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence));
+    }
+    if (larger == 0) return IGI_OK;
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "all photographs are %.2f %% %s than the mesh as the cameras have it: the "
+                      "focal length is off; %.2f was taken in place of fl_x",
+                      100 * fabs(larger), larger > 0 ? "larger" : "smaller", c->fl_x));
+    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
+}
+
+static igi_status say(igi_context *ctx, const igi_registered *r, const igi_scene *scene,
+                      igi_observations *o)
+{
+    char *sentence;
+    if (r->lens) IGI_TRY(say_lens(ctx, r, scene, o));
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "cameras were off: the photographs' edges lay %.2f pixels off the mesh's; "
+                      "%zu of %zu cameras were registered, to %.2f pixels; --register never "
+                      "keeps them as given",
+                      r->before_px, count_moved(r), r->frame_count, r->after_px));
+    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
+}
+
+/* *poses: NULL where no camera finds a better place. */
+static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **poses)
+{
+    igi_status status = IGI_OK;
+    igi_register_options options;
+    igi_poses *p = NULL;
+    igi_register_options_init(&options);
+    options.compare = false;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &p));
+    p->scene = *scene;
+    p->scene.frames = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &p->scene.frames));
+    memcpy(p->scene.frames, scene->frames, scene->frame_count * sizeof *scene->frames);
+    status = igi_register(ctx, &p->scene, &options, &p->registered);
+    if (status == IGI_E_NO_ANSWER) { /* too few edges: they stay as given */
+        status = IGI_OK;
+        goto cleanup;
+    }
+    IGI_TRY_GOTO(status);
+    if (count_moved(p->registered) == 0) goto cleanup;
+    *poses = p;
+    p = NULL;
+cleanup:
+    igi_poses_destroy(p);
+    return status;
+}
+
+igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                          igi_registering when, igi_observations **observations, igi_poses **poses)
+{
+    igi_status status = IGI_OK;
+    igi_observations *again = NULL;
+    igi_poses *p = NULL;
+    bool needed;
+    *poses = NULL;
+    IGI_TRY(is_needed(ctx, *observations, when, &needed));
+    if (!needed) return IGI_OK;
+    IGI_TRY_GOTO(find(ctx, scene, &p));
+    if (!p) goto cleanup;
+    igi_stage_begin(ctx, "observe");
+    IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
+    IGI_TRY_GOTO(say(ctx, p->registered, &p->scene, again));
+    igi_observations_destroy(*observations);
+    *observations = again;
+    *poses = p;
+    again = NULL;
+    p = NULL;
+cleanup:
+    igi_observations_destroy(again);
+    igi_poses_destroy(p);
+    return status;
+}
+
+void igi_poses_destroy(igi_poses *poses)
+{
+    if (!poses) return;
+    igi_free(poses->scene.frames);
+    igi_registered_destroy(poses->registered);
+    igi_free(poses);
+}
