@@ -23,6 +23,7 @@
 #define PATTERN 0.25     /* share of a pattern's variance that may be a trend */
 #define CALM 2.0
 #define ALWAYS_CALM 0.002
+#define CHANCE 3.0  /* standard deviations */
 #define OUTLIER 0.5 /* a pixel off by more is no word about the camera */
 
 typedef struct region_sums {
@@ -222,9 +223,9 @@ static void look_at_side(viewer *v, uint32_t side)
 }
 
 /* The scatter of the photographs' means about the sides', less what their pixels' scatter would
- * give; and what it does to the mean over all of them: photographs are clusters of errors (Liang &
+ * give (`squares` would be chi-square's, of the number of photographs); and what it does to the mean over all of them: photographs are clusters of errors (Liang &
  * Zeger 1986), a sum of w_f off_f with the share w_f of the pixels. */
-static void differ(const view_sums *views, size_t count, double *between, double *of_mean)
+static void differ(const view_sums *views, size_t count, igi_region_residual *r)
 {
     double squares = 0, noise = 0, weight = 0, mean_off = 0, mean_noise = 0, used = 0;
     for (size_t f = 0; f < count; f++) {
@@ -240,8 +241,9 @@ static void differ(const view_sums *views, size_t count, double *between, double
         used++;
     }
     if (used < 2) return;
-    *between = sqrt(fmax(0, (squares - noise) / weight));
-    *of_mean = sqrt(fmax(0, mean_off - mean_noise) * used / (used - 1)) / weight;
+    r->differ = sqrt(fmax(0, (squares - noise) / weight));
+    r->by_chance = sqrt(CHANCE * sqrt(2 / used) * noise / weight);
+    r->mean_error = sqrt(fmax(0, mean_off - mean_noise) * used / (used - 1)) / weight;
 }
 
 static void find_camera(const camera_sums *c, igi_residuals *out)
@@ -298,19 +300,19 @@ static igi_status compare_views(igi_context *ctx, const igi_problem *p, const bo
 {
     igi_status status = IGI_OK;
     viewer v = {.p = p, .regions = out->regions, .frames = p->observations->frame_count};
-    double unused = 0;
+    igi_region_residual all = {0};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, v.frames * out->region_count, &v.views));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, v.frames, &v.all));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, v.frames, &v.brightness));
     find_brightness(p, v.brightness);
     look_at_all(&v);
     for (size_t r = 0; r < out->region_count; r++)
-        differ(v.views + r * v.frames, v.frames, &out->regions[r].differ,
-               &out->regions[r].mean_error);
+        differ(v.views + r * v.frames, v.frames, &out->regions[r]);
     find_calm(out, diffuse);
     v.second = true;
     look_at_all(&v);
-    differ(v.all, v.frames, &out->drift, &unused);
+    differ(v.all, v.frames, &all);
+    out->drift = all.differ;
     find_camera(&v.camera, out);
 cleanup:
     igi_free(v.views);

@@ -13,7 +13,8 @@ typedef struct igi_region_residual {
     bool calm;         /* diffuse, and photographs of it differ no more than usual */
     double trend;      /* standard deviation of a plane fitted to the albedos of its sides */
     double differ;     /* standard deviation between the photographs of it, beyond their noise, */
-    double mean_error; /* and what that does to the mean over them */
+    double by_chance;  /* what noise alone may feign of it, */
+    double mean_error; /* and what it does to the mean over them */
 } igi_region_residual;
 
 typedef struct igi_residuals {

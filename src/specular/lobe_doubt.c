@@ -4,8 +4,9 @@
  *     rho = <y_perp, S_perp> / <S_perp, S_perp>,    var = sum_c g_c^2 / <S_perp, S_perp>^2,
  * g_c the part of <y_perp, S_perp> that comes from piece c of the surface: errors of the irradiance
  * are alike within a piece. rho + 1.645 sigma is an upper bound; the largest over alpha is stated.
- * A lobe of rho would take rho <S,E>/<E,E> off the albedo: the root of its mean square over alpha,
- * weighed by likelihood, is a share of the albedo that may not be albedo.
+ * A lobe of rho would take rho <S,E>/<y,E> off the albedo: the root of its mean square, a share of the
+ * albedo that may not be albedo. The mean is over what may be there: no lobe, or one of these alpha
+ * with a coefficient from a half-normal distribution, each weighed by how well it explains the pixels.
  */
 #include "specular/lobe_doubt.h"
 
@@ -16,6 +17,10 @@
 
 #define ALPHAS 6
 #define FEWEST 10
+#define SHINING 0.5 /* share of surfaces that have a lobe, before one has looked */
+#define USUAL 0.1   /* and the width of their coefficients' distribution */
+#define SURE 300.0  /* logarithm of odds that nothing can weigh up */
+#define FLAT 1e3    /* a coefficient's standard deviation where nothing tells of it */
 
 typedef struct term {
     uint32_t piece;
@@ -67,30 +72,40 @@ static double taken(const igi_profile *f, size_t band)
     return y > 0 ? s / y : 0;
 }
 
+/* What the pixels and the prior say of lobes of one roughness. */
+typedef struct posterior {
+    double odds;   /* that there is one, before it is asked how many surfaces have one */
+    double square; /* mean square of its coefficient if there is */
+} posterior;
+
+/* Of N(mean, sigma^2) and a half-normal prior of width USUAL. */
+static posterior weigh(double mean, double sigma)
+{
+    double narrow = 1 / sqrt(1 / (sigma * sigma) + 1 / (USUAL * USUAL));
+    double m = narrow * narrow * mean / (sigma * sigma), z = m / narrow;
+    double inside = erfc(-z / sqrt(2)) / 2, density = exp(-z * z / 2) / sqrt(2 * IGI_PI);
+    return (posterior){.odds = 2 * narrow / USUAL * inside * exp(fmin(z * z / 2, SURE)),
+                       .square = m * m + narrow * narrow + m * narrow * density / inside};
+}
+
 static void judge(igi_profile *f, const igi_lobe_table *t, term *terms, igi_lobe_doubt *doubt)
 {
-    double misfit[ALPHAS], squares[ALPHAS][IGI_MAX_BANDS], least = (double)INFINITY, total = 0;
-    double temper = 0; /* how much less the residuals tell than if they were independent */
+    double all = 0;
     memset(doubt, 0, sizeof *doubt);
     for (size_t a = 0; a < ALPHAS; a++) {
         igi_profile_column c = igi_profile_column_of(f, t, a);
         igi_profile_outcome o = igi_profile_evaluate(f, &c);
-        double sum = scatter(f, &c, o.specular, terms), sigma = (double)INFINITY;
-        if (o.information > 0) sigma = sqrt(fmax(o.information, sum)) / o.information;
-        temper += (o.information > 0 ? fmax(1, sum / o.information) : 1) / ALPHAS;
-        misfit[a] = o.misfit;
-        least = fmin(least, misfit[a]);
-        double rho = fmin(1, hypot(o.specular, sigma));
-        for (size_t b = 0; b < f->bands; b++) squares[a][b] = pow(rho * taken(f, b), 2);
+        double sum = scatter(f, &c, o.specular, terms), sigma = FLAT;
+        if (o.information > 0) sigma = fmin(FLAT, sqrt(fmax(o.information, sum)) / o.information);
+        posterior p = weigh(o.specular, sigma);
+        all += p.odds / ALPHAS;
+        for (size_t b = 0; b < f->bands; b++)
+            doubt->share[b] += p.odds / ALPHAS * p.square * pow(taken(f, b), 2);
         if (t->alphas[a] <= IGI_BOUND_ALPHA)
             doubt->bound = fmax(doubt->bound, fmin(1, o.specular + IGI_BOUND_SIGMAS * sigma));
     }
-    for (size_t a = 0; a < ALPHAS; a++) {
-        double likelihood = exp((least - misfit[a]) / (2 * temper));
-        total += likelihood;
-        for (size_t b = 0; b < f->bands; b++) doubt->share[b] += likelihood * squares[a][b];
-    }
-    for (size_t b = 0; b < f->bands; b++) doubt->share[b] = fmin(1, sqrt(doubt->share[b] / total));
+    for (size_t b = 0; b < f->bands; b++)
+        doubt->share[b] = fmin(1, sqrt(doubt->share[b] * SHINING / (1 - SHINING + SHINING * all)));
 }
 
 igi_status igi_lobe_doubt_create(igi_context *ctx, const igi_highlights *highlights,

@@ -23,6 +23,7 @@
 #define FEW_PIXELS 1000  /* to tell models apart; */
 #define MOST_PIXELS 4000 /* more, until independent noise leaves no more of rho_s open */
 #define QUIET 0.006
+#define MIRRORED 0.02 /* what is mirrored is known no better (scripts/random_rooms) */
 
 typedef struct irradiance_source {
     const igi_problem *problem;
@@ -311,8 +312,8 @@ cleanup:
     return status;
 }
 
-/* Adds to the standard deviations of albedos what is not known of lobes: theirs where one was found,
- * the doubt elsewhere. */
+/* Adds to the standard deviations of albedos what is not known of lobes: theirs where one was found
+ * (alpha moves a lobe's light about, rho_s says how much it is), the doubt elsewhere. */
 static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diffuse *d,
                                 const igi_specular *s)
 {
@@ -337,7 +338,7 @@ static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diff
         const igi_lobe_estimate *e = &s->estimates[r];
         double *std = d->albedo_std[r];
         bool found = s->lobes[r].model != IGI_LAMBERT && e->specular > 0;
-        double known = found ? hypot(e->specular_std / e->specular, e->alpha_std / e->alpha) : 0;
+        double known = found ? hypot(e->specular_std / e->specular, MIRRORED) : 0;
         for (size_t b = 0; b < bands && received[r][b] > 0; b++)
             std[b] = hypot(std[b], found ? lobe[r][b] / received[r][b] * fmin(1, known)
                                          : s->doubts[r].share[b] * d->albedo[r][b]);

@@ -131,7 +131,7 @@ static void bounds(void)
     igi_lobe_doubt seen = doubt_of(ctx, true, 0), unseen = doubt_of(ctx, false, 0);
     igi_lobe_doubt lobe = doubt_of(ctx, true, 0.02);
     CHECK(seen.bound > 0 && seen.bound < 0.02);
-    CHECK(seen.share[0] > 0 && seen.share[0] < 0.02);
+    CHECK(seen.share[0] > 0 && seen.share[0] < 0.008); /* .021 if a lobe were taken for granted */
     CHECK(unseen.bound > 0.5);     /* nothing mirrors the lamp: anything is possible */
     CHECK(unseen.share[0] < 0.01); /* though not of the albedo: no pixel would show it */
     CHECK(lobe.bound > 0.02 && lobe.share[0] > 5 * seen.share[0]); /* within its bound, and felt */
