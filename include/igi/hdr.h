@@ -68,22 +68,24 @@ typedef struct igi_merge_options {
     const igi_response *given;
     const char *basis_path;  /* the EMoR model's invemor.txt; igi does not carry it */
     igi_merge_method method; /* default IGI_MERGE_PHOTON */
-    bool align;              /* find and undo whole-pixel shifts between exposures; default */
-    bool refine;             /* exposure ratios from the pictures where the response is known;
+    bool align;         /* find and undo shifts and turns between exposures; default. Photographs
+                              * that lie on each other by a tenth of a pixel are not resampled */
+    bool refine;        /* exposure ratios from the pictures where the response is known;
                                   * default. Else they are only held against what is stated */
-    double full_well_e;      /* photo-electrons at the highest code; 0: 5000, and the variance
+    double full_well_e; /* photo-electrons at the highest code; 0: 5000, and the variance
                                   * is scaled to the scatter between the exposures */
-    double read_noise;       /* standard deviation in codes; 0: 2.5 of 256, or 12 of 65536 */
+    double read_noise;  /* standard deviation in codes; 0: 2.5 of 256, or 12 of 65536 */
 } igi_merge_options;
 
 IGI_API void igi_merge_options_init(igi_merge_options *options);
 
 typedef struct igi_merged_frame {
-    double stated, used;  /* exposure h; `stated` of what was given, `used` after refining */
-    int shift_x, shift_y; /* pixels: its content stands that much further right and down than in
-                           * the shortest exposure */
-    double saturated;     /* fraction of its samples */
-    double moved;         /* fraction of its pixels that show another thing than longer exposures;
+    double stated, used;     /* exposure h; `stated` of what was given, `used` after refining */
+    double shift_x, shift_y; /* pixels: its content stands that much further right and down than in
+                              * the shortest exposure */
+    double rotation_deg;     /* and turned so much about the picture's centre, from right to down */
+    double saturated;        /* fraction of its samples */
+    double moved; /* fraction of its pixels that show another thing than longer exposures;
                            * they are left out */
 } igi_merged_frame;
 

@@ -98,7 +98,8 @@ static void print_json(const cli_session *s, const igi_exposure *exposures,
         cli_print_json_number(f->stated);
         printf(", \"used\": ");
         cli_print_json_number(f->used);
-        printf(", \"shift\": [%d, %d], \"saturated\": ", f->shift_x, f->shift_y);
+        printf(", \"shift\": [%.4g, %.4g], \"rotation_deg\": %.4g, \"saturated\": ", f->shift_x,
+               f->shift_y, f->rotation_deg);
         cli_print_json_number(f->saturated);
         printf(", \"moved\": ");
         cli_print_json_number(f->moved);
@@ -116,11 +117,11 @@ static void print_table(const cli_session *s, const igi_exposure *exposures,
         if (w > width) width = w;
     }
     cli_print_padded("image", width);
-    puts("    exposure  used/stated  shift px  saturated      moved");
+    puts("    exposure  used/stated        shift px  saturated      moved");
     for (size_t i = 0; i < merged->count; i++) {
         const igi_merged_frame *f = &merged->frames[i];
         cli_print_padded(base_name(exposures[i].path), width);
-        printf("  %10.6g  %11.4f  %3d, %3d  ", f->stated, f->used / f->stated, f->shift_x,
+        printf("  %10.6g  %11.4f  %6.2f, %6.2f  ", f->stated, f->used / f->stated, f->shift_x,
                f->shift_y);
         cli_print_percent(f->saturated, 9);
         fputs("  ", stdout);
@@ -168,6 +169,7 @@ const cli_command cli_merge = {
         "radiance (R G B; full scale over exposure, so that all brackets of a camera share one\n"
         "unit), \"saturated\" (1 where even the shortest exposure was, .5 where something moved\n"
         "between exposures; igi recover leaves both out), and \"variance.R\" ...\n"
-        "Exposures that the pictures contradict are refused by name.",
+        "Shifts and turns between the photographs are found and undone; what lies still is not\n"
+        "resampled. Exposures that the pictures contradict are refused by name.",
     .run = run,
 };

@@ -5,6 +5,7 @@
  * comparagrams, ratios. The second adds them up.
  */
 #include "base/context.h"
+#include "base/vec.h"
 #include "hdr/merge_private.h"
 
 #include <math.h>
@@ -14,6 +15,7 @@
 
 /* A third of a stop: cameras round their times by less. */
 #define FALSE_RATIO (.693147 / 3)
+#define NEARLY_SATURATED .92
 
 typedef struct ordered {
     const igi_exposure *exposure;
@@ -109,19 +111,69 @@ typedef struct job {
     bool fitted;
 } job;
 
+/* First the one, then the other. */
+static igi_shift add_shifts(const igi_shift *first, const igi_shift *then)
+{
+    double c = cos(then->angle), s = sin(then->angle);
+    double x = first->x + first->part_x, y = first->y + first->part_y;
+    return igi_shift_of(c * x - s * y + then->x + then->part_x,
+                        s * x + c * y + then->y + then->part_y, first->angle + then->angle);
+}
+
+/* On a grid of some ten thousand pixels. */
+static double measure_unsaturated(const igi_photo *photo)
+{
+    size_t pixels = (size_t)photo->width * (size_t)photo->height, step = pixels / 50000 + 1;
+    size_t channels = (size_t)photo->channels, below = 0, seen = 0;
+    for (size_t i = 0; i < pixels; i += step, seen++) {
+        uint16_t highest = 0;
+        for (size_t c = 0; c < channels; c++)
+            if (photo->codes[i * channels + c] > highest) highest = photo->codes[i * channels + c];
+        below += highest < NEARLY_SATURATED * photo->levels;
+    }
+    return (double)below / (double)seen;
+}
+
+/* Parts of a pixel and turns are counted from the photograph in which the most pixels have their longest
+ * unsaturated exposure, so that the least is resampled. Whole pixels stay counted from the shortest. */
+static void keep_most_pixels(igi_bracket *bracket)
+{
+    size_t best = bracket->count - 1;
+    double most = bracket->unsaturated[best];
+    for (size_t i = 0; i + 1 < bracket->count; i++) {
+        double here = bracket->unsaturated[i] - bracket->unsaturated[i + 1];
+        if (here > most) most = here, best = i;
+    }
+    igi_shift part = bracket->shifts[best];
+    double c = cos(part.angle), s = sin(part.angle);
+    if (igi_shift_is_whole(&part)) return;
+    /* First the inverse of p -> R p + part. */
+    igi_shift back = {.part_x = -c * part.part_x - s * part.part_y,
+                      .part_y = s * part.part_x - c * part.part_y,
+                      .angle = -part.angle};
+    for (size_t i = 0; i < bracket->count; i++)
+        bracket->shifts[i] = add_shifts(&back, &bracket->shifts[i]);
+    bracket->shifts[best] = (igi_shift){.x = part.x, .y = part.y};
+}
+
 /* Two neighbours: their shift, and what they say about the response or the ratio. */
 static igi_status compare_neighbours(igi_context *ctx, job *j, size_t pair, const igi_photo *a,
                                      const igi_photo *b)
 {
     igi_bracket *bracket = &j->bracket;
-    igi_shift step = {0, 0};
-    if (j->options->align) IGI_TRY(igi_hdr_align(ctx, a, b, &step));
-    bracket->shifts[pair + 1].x = bracket->shifts[pair].x + step.x;
-    bracket->shifts[pair + 1].y = bracket->shifts[pair].y + step.y;
-    if (!j->response) return igi_comparagram_fill(ctx, a, b, step, 1e6, &bracket->pairs[pair]);
-    return igi_hdr_measure_ratio(ctx, a, b, step, j->response,
-                                 bracket->log_h[pair + 1] - bracket->log_h[pair],
-                                 &bracket->log_ratio[pair]);
+    igi_comparagram *comparagram = &bracket->pairs[pair];
+    double expected = bracket->log_h[pair + 1] - bracket->log_h[pair];
+    igi_shift step = {0};
+    bool align = j->options->align;
+    if (align) IGI_TRY(igi_hdr_align(ctx, a, b, &step));
+    if (!j->response) IGI_TRY(igi_comparagram_fill(ctx, a, b, &step, 1e6, comparagram));
+    if (align) IGI_TRY(igi_hdr_refine_shift(ctx, a, b, j->response, expected, comparagram, &step));
+    bracket->shifts[pair + 1] = add_shifts(&bracket->shifts[pair], &step);
+    if (j->response)
+        return igi_hdr_measure_ratio(ctx, a, b, &step, j->response, expected,
+                                     &bracket->log_ratio[pair]);
+    if (igi_shift_is_whole(&step)) return IGI_OK;
+    return igi_comparagram_fill(ctx, a, b, &step, 1e6, comparagram);
 }
 
 static igi_status first_pass(igi_context *ctx, job *j)
@@ -143,10 +195,12 @@ static igi_status first_pass(igi_context *ctx, job *j)
             IGI_TRY_GOTO(check_shape(ctx, path, photo, j->frames[0].exposure->path, previous));
             IGI_TRY_GOTO(compare_neighbours(ctx, j, i - 1, previous, photo));
         }
+        bracket->unsaturated[i] = measure_unsaturated(photo);
         igi_photo_destroy(previous);
         previous = photo;
         photo = NULL;
     }
+    keep_most_pixels(bracket);
 cleanup:
     igi_photo_destroy(previous);
     igi_photo_destroy(photo);
@@ -273,9 +327,11 @@ static igi_status second_pass(igi_context *ctx, job *j, igi_merged *out)
         if (!acc->image)
             IGI_TRY_GOTO(igi_accumulator_prepare(ctx, photo, j->response, &model, acc));
         frame->used = exp(bracket->log_h[i]);
-        frame->shift_x = bracket->shifts[i].x;
-        frame->shift_y = bracket->shifts[i].y;
-        igi_accumulator_add(acc, photo, j->response, frame->used, bracket->shifts[i]);
+        const igi_shift *shift = &bracket->shifts[i];
+        frame->shift_x = shift->x + shift->part_x;
+        frame->shift_y = shift->y + shift->part_y;
+        frame->rotation_deg = shift->angle * 180 / IGI_PI;
+        igi_accumulator_add(acc, photo, j->response, frame->used, shift);
         frame->saturated = (double)acc->saturated / (double)(acc->samples ? acc->samples : 1);
         frame->moved = (double)acc->moved * acc->channels /
                        (double)(acc->samples ? acc->samples : 1);
@@ -301,6 +357,7 @@ static igi_status prepare_job(igi_context *ctx, const igi_exposure *exposures, s
     IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.log_ratio));
     IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.pairs));
     IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.shifts));
+    IGI_TRY(IGI_ALLOC(ctx, count, &j->bracket.unsaturated));
     for (size_t i = 0; i < count; i++) j->bracket.log_h[i] = log(j->frames[i].h);
     return IGI_OK;
 }
@@ -313,6 +370,7 @@ static void free_job(job *j)
     igi_free(j->bracket.log_h);
     igi_free(j->bracket.log_ratio);
     igi_free(j->bracket.shifts);
+    igi_free(j->bracket.unsaturated);
     igi_free(j->frames);
     igi_response_destroy(j->response);
 }

@@ -7,11 +7,27 @@
 
 #include "hdr/hdr.h"
 
-/* The content of the second photograph stands (x,y) pixels further right and down than in the
- * first. */
+#include <math.h>
+
+/* The content of the second photograph stands (x,y) pixels further right and down than in the first;
+ * what the pictures show beyond whole pixels comes on top: parts of one, and a turn about the picture's
+ * centre, radians from +x to +y (down). */
 typedef struct igi_shift {
     int x, y;
+    double part_x, part_y, angle;
 } igi_shift;
+
+static inline igi_shift igi_shift_of(double x, double y, double angle)
+{
+    igi_shift s = {(int)lround(x), (int)lround(y), 0, 0, angle};
+    s.part_x = x - s.x, s.part_y = y - s.y;
+    return s;
+}
+
+static inline bool igi_shift_is_whole(const igi_shift *s)
+{
+    return s->part_x == 0 && s->part_y == 0 && s->angle == 0;
+}
 
 /* How often code a of one photograph meets code b, of the same channel, at the same place of the
  * next longer one: counts[channels][256][256]. Codes of 16 bits are cut to 8. */
@@ -22,8 +38,8 @@ typedef struct igi_comparagram {
 
 /* Of every pixel, or of a regular grid of at most about `most` of them. */
 IGI_MUST_USE igi_status igi_comparagram_fill(igi_context *ctx, const igi_photo *a,
-                                             const igi_photo *b, igi_shift shift, double most,
-                                             igi_comparagram *out);
+                                             const igi_photo *b, const igi_shift *shift,
+                                             double most, igi_comparagram *out);
 
 /* Of a bracket of `count` photographs, the shortest first: pairs are (i, i+1). */
 typedef struct igi_bracket {
@@ -34,6 +50,7 @@ typedef struct igi_bracket {
     double *log_ratio;      /* [count-1] as the pictures show it; NaN: they do not */
     igi_comparagram *pairs; /* [count-1] */
     igi_shift *shifts;      /* [count] against the shortest */
+    double *unsaturated;    /* [count] fraction of the pixels, roughly */
 } igi_bracket;
 
 /* The response from the comparagrams and the stated exposures; fills log_ratio. */
@@ -50,13 +67,20 @@ IGI_MUST_USE igi_status igi_hdr_fit_basis(igi_context *ctx, const igi_bracket *b
 /* Exposure of b / exposure of a, natural logarithm, by a known response. NaN when too few pixels
  * are well exposed in both. `expected`: the stated one. */
 IGI_MUST_USE igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo *a,
-                                              const igi_photo *b, igi_shift shift,
+                                              const igi_photo *b, const igi_shift *shift,
                                               const igi_response *response, double expected,
                                               double *log_ratio);
 
 /* Whole-pixel shift of b against a, or none where one does not make the pictures agree better. */
 IGI_MUST_USE igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *b,
                                       igi_shift *shift);
+
+/* Adds parts of a pixel and a turn, where they are significant; else *shift stays. By the response, or by
+ * the pair's comparagram where that is NULL. */
+IGI_MUST_USE igi_status igi_hdr_refine_shift(igi_context *ctx, const igi_photo *a,
+                                             const igi_photo *b, const igi_response *response,
+                                             double expected, const igi_comparagram *pair,
+                                             igi_shift *shift);
 
 /* Debevec's or Robertson's method, OpenCV's: the response, and the radiance by any response. */
 IGI_MUST_USE igi_status igi_hdr_compare_response(igi_context *ctx, const igi_exposure *exposures,
@@ -66,11 +90,25 @@ IGI_MUST_USE igi_status igi_hdr_compare_merge(igi_context *ctx, const igi_exposu
                                               size_t count, const igi_response *response,
                                               bool robertson, igi_image **image);
 
-/* The index of (x,y) in a photograph, or of the place in `b` that shows what (x,y) of `a` shows;
- * SIZE_MAX outside. */
-static inline size_t igi_hdr_shifted(const igi_photo *b, int x, int y, igi_shift shift)
+/* The place of b that shows (x,y) of a, in pixels from the centre of pixel (0,0). */
+static inline void igi_hdr_place(const igi_photo *b, int x, int y, const igi_shift *shift,
+                                 double place[2])
 {
-    int u = x + shift.x, v = y + shift.y;
+    double cx = (b->width - 1) / 2., cy = (b->height - 1) / 2.;
+    double c = cos(shift->angle), s = sin(shift->angle), px = x - cx, py = y - cy;
+    place[0] = cx + c * px - s * py + shift->x + shift->part_x;
+    place[1] = cy + s * px + c * py + shift->y + shift->part_y;
+}
+
+/* The index of the pixel of b nearest to that place; SIZE_MAX outside. */
+static inline size_t igi_hdr_shifted(const igi_photo *b, int x, int y, const igi_shift *shift)
+{
+    int u = x + shift->x, v = y + shift->y;
+    if (shift->angle != 0) {
+        double place[2];
+        igi_hdr_place(b, x, y, shift, place);
+        u = (int)lround(place[0]), v = (int)lround(place[1]);
+    }
     if (u < 0 || v < 0 || u >= b->width || v >= b->height) return SIZE_MAX;
     return (size_t)v * (size_t)b->width + (size_t)u;
 }

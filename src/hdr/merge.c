@@ -13,6 +13,7 @@
  */
 #include "base/context.h"
 #include "hdr/merge_private.h"
+#include "image/resample.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -122,32 +123,82 @@ static void note_residual(accumulator *acc, double u)
     acc->residuals[bin < 0 ? 0 : bin >= RESIDUAL_BINS ? RESIDUAL_BINS - 1 : bin]++;
 }
 
-static float joint_fade(const accumulator *acc, const uint16_t *codes, bool linear)
+/* One pixel of a photograph: its exposures, and those that the longer photographs predict. */
+typedef struct sight {
+    float x[3], fade[3], predicted[3]; /* predicted: x where nothing is known yet */
+    float low[3], high[3];             /* of the pixels that x was read between */
+    bool known[3];
+} sight;
+
+static float joint_fade(const accumulator *acc, const sight *s, bool linear)
 {
     float fade = 1;
     /* A developed raw pixel mixes its sensor's channels: one clipped spoils all. */
     for (int c = 0; linear && c < acc->channels; c++)
-        if (acc->fade[codes[c]] < fade) fade = acc->fade[codes[c]];
+        if (s->fade[c] < fade) fade = s->fade[c];
     return fade;
 }
 
-/* One pixel of a photograph: its exposures, and those that the longer photographs predict. */
-typedef struct sight {
-    const uint16_t *codes;
-    float x[3], predicted[3]; /* predicted: x where nothing is known yet */
-    bool known[3];
-} sight;
-
-static void look(const accumulator *acc, const igi_response *response, float h, const float *pixel,
-                 sight *s)
+static void predict(const accumulator *acc, float h, const float *pixel, sight *s)
 {
-    const float *curve = response->exposure;
-    for (int c = 0; c < acc->channels; c++, curve += response->levels) {
+    for (int c = 0; c < acc->channels; c++) {
         float weight = pixel[2 * acc->channels - c];
         s->known[c] = weight > 0;
-        s->x[c] = curve[s->codes[c]];
         s->predicted[c] = s->known[c] ? pixel[c] / weight * h : s->x[c];
     }
+}
+
+/* What the photograph shows of a pixel; false outside of it. */
+static inline bool look(const accumulator *acc, const igi_photo *photo,
+                        const igi_response *response, int x, int y, const igi_shift *shift,
+                        sight *s)
+{
+    size_t at = igi_hdr_shifted(photo, x, y, shift);
+    if (at == SIZE_MAX) return false;
+    const uint16_t *codes = photo->codes + at * (size_t)acc->channels;
+    const float *curve = response->exposure;
+    for (int c = 0; c < acc->channels; c++, curve += response->levels) {
+        s->x[c] = s->low[c] = s->high[c] = curve[codes[c]];
+        s->fade[c] = acc->fade[codes[c]];
+    }
+    return true;
+}
+
+/* The same between pixels: Catmull and Rom's bicubic over exposures, held within the four around. One
+ * saturated pixel among those spoils it. */
+static bool look_between(const accumulator *acc, const igi_photo *photo,
+                         const igi_response *response, int x, int y, const igi_shift *shift,
+                         sight *s)
+{
+    double place[2], wx[4], wy[4];
+    igi_hdr_place(photo, x, y, shift, place);
+    if (!(place[0] >= 0 && place[1] >= 0 && place[0] <= photo->width - 1 &&
+          place[1] <= photo->height - 1))
+        return false;
+    int x0 = (int)place[0], y0 = (int)place[1];
+    igi_cubic_weights(place[0] - x0, wx);
+    igi_cubic_weights(place[1] - y0, wy);
+    double sum[3] = {0};
+    for (int c = 0; c < acc->channels; c++) s->fade[c] = 1, s->low[c] = HUGE_VALF, s->high[c] = 0;
+    for (int k = 0; k < 16; k++) {
+        int u = igi_clamp_index(x0 + k % 4 - 1, photo->width);
+        int v = igi_clamp_index(y0 + k / 4 - 1, photo->height);
+        bool inner = k % 4 % 3 && k / 4 % 3;
+        const uint16_t *codes = photo->codes + ((size_t)v * (size_t)photo->width + (size_t)u) *
+                                                   (size_t)acc->channels;
+        const float *curve = response->exposure;
+        for (int c = 0; c < acc->channels; c++, curve += response->levels) {
+            float value = curve[codes[c]], fade = acc->fade[codes[c]];
+            sum[c] += wx[k % 4] * wy[k / 4] * (double)value;
+            if (inner && fade < s->fade[c]) s->fade[c] = fade;
+            if (!inner) continue;
+            s->low[c] = fminf(s->low[c], value);
+            s->high[c] = fmaxf(s->high[c], value);
+        }
+    }
+    for (int c = 0; c < acc->channels; c++)
+        s->x[c] = fminf(s->high[c], fmaxf(s->low[c], (float)sum[c]));
+    return true;
 }
 
 /* Something moved: where both are well exposed, the photograph shows clearly else than the longer
@@ -159,7 +210,9 @@ static bool has_moved(const accumulator *acc, const sight *s, double h, const fl
         float x = s->x[c], predicted = s->predicted[c];
         float high = x > predicted ? x : predicted, off = fabsf(x - predicted);
         if (high < MOVED_LEAST || off < share * high) continue;
-        if (!s->known[c] || acc->fade[s->codes[c]] < 1) continue;
+        if (predicted >= s->low[c] && predicted <= s->high[c])
+            continue; /* an edge between pixels */
+        if (!s->known[c] || s->fade[c] < 1) continue;
         double weight = (double)pixel[2 * acc->channels - c];
         double variance = (double)acc->noise[c][noise_index(predicted)] + h * h / weight;
         if ((double)(off * off) > MOVED_SIGMAS * MOVED_SIGMAS * variance) return true;
@@ -172,7 +225,7 @@ static void add_pixel(accumulator *acc, const sight *s, float joint, float h, fl
 {
     for (int c = 0; c < acc->channels; c++) {
         float *sum = &pixel[c], *weight = &pixel[2 * acc->channels - c];
-        float fade = acc->fade[s->codes[c]];
+        float fade = s->fade[c];
         if (joint < fade) fade = joint;
         if (!(fade > 0)) {
             acc->saturated++;
@@ -193,29 +246,30 @@ static void add_pixel(accumulator *acc, const sight *s, float joint, float h, fl
 #define RESIDUAL_STEP 29
 
 void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_response *response,
-                         double h, igi_shift shift)
+                         double h, const igi_shift *shift)
 {
     size_t channels = (size_t)acc->channels, stride = 2 * channels + 1;
     for (size_t c = 0; c < channels; c++)
         for (int i = 0; i < NOISE_SIZE; i++)
             acc->weight[c][i] = (float)(h * h / (double)acc->noise[c][i]);
     acc->saturated = acc->samples = acc->moved = 0;
+    bool whole = igi_shift_is_whole(shift);
     sight s;
     for (int y = 0; y < acc->image->height; y++)
         for (int x = 0; x < acc->image->width; x++) {
-            size_t at = igi_hdr_shifted(photo, x, y, shift);
-            if (at == SIZE_MAX) continue;
+            if (!(whole ? look(acc, photo, response, x, y, shift, &s)
+                        : look_between(acc, photo, response, x, y, shift, &s)))
+                continue;
             size_t to = (size_t)y * (size_t)acc->image->width + (size_t)x;
             float *pixel = acc->image->samples + to * stride;
-            s.codes = photo->codes + at * channels;
-            look(acc, response, (float)h, pixel, &s);
+            predict(acc, (float)h, pixel, &s);
             acc->samples += channels;
             if (has_moved(acc, &s, h, pixel)) {
                 pixel[channels] = MOVED_MARK;
                 acc->moved++;
                 if (!acc->fitted) continue; /* a rough curve marks more than what moved */
             }
-            add_pixel(acc, &s, joint_fade(acc, s.codes, photo->linear), (float)h, pixel,
+            add_pixel(acc, &s, joint_fade(acc, &s, photo->linear), (float)h, pixel,
                       to % RESIDUAL_STEP == 0);
         }
 }

@@ -34,7 +34,7 @@ IGI_MUST_USE igi_status igi_accumulator_prepare(igi_context *ctx, const igi_phot
 void igi_accumulator_free(accumulator *acc);
 /* Photographs in the order of falling exposure. */
 void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_response *response,
-                         double h, igi_shift shift);
+                         double h, const igi_shift *shift);
 /* Turns sums into radiance and variance; returns the measured scatter. */
 double igi_accumulator_finish(accumulator *acc, double shortest_h, bool noise_is_known);
 

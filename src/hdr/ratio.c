@@ -29,7 +29,7 @@ static int by_ratio(const void *a, const void *b)
 
 /* Sums of exposures over one tile. Only the longer photograph, the surer one, decides which
  * pixels count: choosing by the shorter one's noise would bias the ratio. */
-static tile measure_tile(const igi_photo *a, const igi_photo *b, igi_shift shift,
+static tile measure_tile(const igi_photo *a, const igi_photo *b, const igi_shift *shift,
                          const igi_response *response, double expected, int x0, int y0)
 {
     double sum_a = 0, sum_b = 0;
@@ -53,8 +53,8 @@ static tile measure_tile(const igi_photo *a, const igi_photo *b, igi_shift shift
 }
 
 igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                                 igi_shift shift, const igi_response *response, double expected,
-                                 double *log_ratio)
+                                 const igi_shift *shift, const igi_response *response,
+                                 double expected, double *log_ratio)
 {
     size_t columns = ((size_t)a->width + TILE - 1) / TILE;
     size_t rows = ((size_t)a->height + TILE - 1) / TILE;
@@ -110,7 +110,7 @@ static double disagreement(const uint32_t *counts, size_t channels, double *shar
 }
 
 static igi_status disagree_at(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                              igi_shift shift, igi_comparagram *scratch, double *value,
+                              const igi_shift *shift, igi_comparagram *scratch, double *value,
                               double *share)
 {
     IGI_TRY(igi_comparagram_fill(ctx, a, b, shift, 2e5, scratch));
@@ -128,19 +128,19 @@ igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *
     static const int steps[] = {8, 4, 2, 1};
     igi_status status = IGI_OK;
     igi_comparagram scratch = {0};
-    igi_shift best = {0, 0};
+    igi_shift best = {0};
     double least, none, share;
     *shift = best;
-    IGI_TRY_GOTO(disagree_at(ctx, a, b, best, &scratch, &none, &share));
+    IGI_TRY_GOTO(disagree_at(ctx, a, b, &best, &scratch, &none, &share));
     least = none;
     for (size_t i = 0; share > LEAST_SHARE && i < sizeof steps / sizeof steps[0]; i++) {
         igi_shift centre = best;
         for (int k = 0; k < 9; k++) {
-            igi_shift tried = {centre.x + (k % 3 - 1) * steps[i],
-                               centre.y + (k / 3 - 1) * steps[i]};
+            igi_shift tried = {.x = centre.x + (k % 3 - 1) * steps[i],
+                               .y = centre.y + (k / 3 - 1) * steps[i]};
             double value, ignored;
             if (k == 4) continue;
-            IGI_TRY_GOTO(disagree_at(ctx, a, b, tried, &scratch, &value, &ignored));
+            IGI_TRY_GOTO(disagree_at(ctx, a, b, &tried, &scratch, &value, &ignored));
             if (value < least) least = value, best = tried;
         }
     }

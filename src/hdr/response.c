@@ -58,7 +58,7 @@ void igi_response_destroy(igi_response *response)
 }
 
 igi_status igi_comparagram_fill(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                                igi_shift shift, double most, igi_comparagram *out)
+                                const igi_shift *shift, double most, igi_comparagram *out)
 {
     size_t channels = (size_t)a->channels;
     int drop = a->levels == BINS ? 0 : 8;

@@ -14,4 +14,18 @@
 IGI_MUST_USE igi_status igi_image_resample(igi_context *ctx, const igi_image *image, int width,
                                            int height, igi_image **result);
 
+/* Catmull-Rom weights of the four samples around t in [0,1), which lies between the middle two. */
+static inline void igi_cubic_weights(double t, double w[4])
+{
+    w[0] = t * (-.5 + t * (1 - .5 * t));
+    w[1] = 1 + t * t * (-2.5 + 1.5 * t);
+    w[2] = t * (.5 + t * (2 - 1.5 * t));
+    w[3] = t * t * (-.5 + .5 * t);
+}
+
+static inline int igi_clamp_index(int x, int size)
+{
+    return x < 0 ? 0 : x < size ? x : size - 1;
+}
+
 #endif

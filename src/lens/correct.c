@@ -11,6 +11,7 @@
  */
 #include "base/context.h"
 #include "base/parallel.h"
+#include "image/resample.h"
 #include "lens/lens_private.h"
 
 #include "scene/camera.h"
@@ -33,20 +34,6 @@ static channel_kind kind_of(const char *name)
     if (strncmp(name, "variance.", 9) == 0) return VARIANCE;
     if (strcmp(name, "saturated") == 0) return SATURATED;
     return strcmp(name, "A") == 0 ? ALPHA : COLOUR;
-}
-
-/* Catmull-Rom weights of the four samples around t in [0,1). */
-static void cubic_weights(double t, double w[4])
-{
-    w[0] = t * (-.5 + t * (1 - .5 * t));
-    w[1] = 1 + t * t * (-2.5 + 1.5 * t);
-    w[2] = t * (.5 + t * (2 - 1.5 * t));
-    w[3] = t * t * (-.5 + .5 * t);
-}
-
-static int clamp(int x, int size)
-{
-    return x < 0 ? 0 : x < size ? x : size - 1;
 }
 
 /* One channel at the place whose surrounding pixels are given by index and weight. */
@@ -95,11 +82,12 @@ static igi_status correct_row(igi_context *ctx, void *user, size_t row, int work
             continue;
         }
         int x0 = (int)floor(x - .5), y0 = (int)floor(y - .5);
-        cubic_weights(x - .5 - x0, wx);
-        cubic_weights(y - .5 - y0, wy);
+        igi_cubic_weights(x - .5 - x0, wx);
+        igi_cubic_weights(y - .5 - y0, wy);
         for (int v = 0; v < 4; v++)
             for (int u = 0; u < 4; u++) {
-                int px = clamp(x0 + u - 1, width), py = clamp(y0 + v - 1, height);
+                int px = igi_clamp_index(x0 + u - 1, width),
+                    py = igi_clamp_index(y0 + v - 1, height);
                 at[v][u] = (size_t)py * (size_t)width + (size_t)px;
                 weights[v][u] = wx[u] * wy[v];
                 gains[v][u] = 1 / igi_vignetting_at(&j->calibration->vignetting, px + .5, py + .5,

@@ -270,6 +270,145 @@ static void what_moves_is_marked(void)
     igi_context_destroy(ctx);
 }
 
+/* A picture of turned squares, some of them fifty times as bright as others, moved and turned about the
+ * picture's centre. */
+#define SIDE_X 330
+#define SIDE_Y 250
+
+typedef struct movement {
+    double x, y, deg;
+} movement;
+
+static double scene_at(double x, double y)
+{
+    double u = .94 * x + .34 * y + 2000, v = .94 * y - .34 * x + 2000;
+    uint64_t cell = igi_hash64((uint64_t)(u / 13) * 1000 + (uint64_t)(v / 13));
+    return .008 * pow(60, (double)(cell % 1000) / 999);
+}
+
+static double moved_scene_at(const movement *m, double x, double y)
+{
+    double angle = m->deg * 3.14159265358979 / 180;
+    double px = x - m->x - SIDE_X / 2., py = y - m->y - SIDE_Y / 2.;
+    return scene_at(cos(angle) * px + sin(angle) * py, cos(angle) * py - sin(angle) * px);
+}
+
+/* The mean over two by two pixels, as a lens that resolves no more than the sensor throws it. */
+static double pixel_of(const movement *m, int x, int y)
+{
+    double sum = 0;
+    for (int k = 0; k < 16; k++)
+        sum += moved_scene_at(m, x - .5 + (k % 4 + .5) / 2, y - .5 + (k / 4 + .5) / 2) / 16;
+    return sum;
+}
+
+/* 8 bits with a curve, or 16 linear ones. */
+static void write_moved(const char *path, double h, const movement *m, int bits, uint64_t seed)
+{
+    static uint16_t wide[SIDE_X * SIDE_Y];
+    static uint8_t narrow[SIDE_X * SIDE_Y];
+    igi_rng rng = igi_rng_make(seed, 1);
+    for (int i = 0; i < SIDE_X * SIDE_Y; i++) {
+        double x = h * pixel_of(m, i % SIDE_X, i / SIDE_X);
+        x = (poisson(&rng, FULL_WELL * x) + 6 * gaussian(&rng)) / FULL_WELL;
+        x = fmax(0, fmin(1, x));
+        narrow[i] = (uint8_t)(255 * pow(x, 1 / 2.2) + .5);
+        wide[i] = (uint16_t)(65535 * x + .5);
+    }
+    png_image writer = {.version = PNG_IMAGE_VERSION,
+                        .width = SIDE_X,
+                        .height = SIDE_Y,
+                        .format = bits == 8 ? PNG_FORMAT_GRAY : PNG_FORMAT_LINEAR_Y};
+    const void *codes = bits == 8 ? (const void *)narrow : (const void *)wide;
+    if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
+}
+
+#define MOVED 3
+
+static igi_merged *merge_moved(igi_context *ctx, const movement moves[MOVED], int bits, bool align)
+{
+    char paths[MOVED][40];
+    igi_exposure exposures[MOVED];
+    igi_merge_options options;
+    igi_merged *merged = NULL;
+    igi_merge_options_init(&options);
+    options.align = align;
+    for (int i = 0; i < MOVED; i++) {
+        snprintf(paths[i], 40, "test_hdr_moved_%d.png", i);
+        write_moved(paths[i], pow(3, i), &moves[i], bits, 40 + (uint64_t)i);
+        exposures[i] = (igi_exposure){.path = paths[i], .time_s = pow(3, i)};
+    }
+    CHECK_OK(ctx, igi_merge(ctx, exposures, MOVED, &options, &merged));
+    for (int i = 0; i < MOVED; i++) remove(paths[i]);
+    if (!merged) abort();
+    return merged;
+}
+
+/* Root mean square of the relative error against the scene as the last photograph stands to it. */
+static double error_of(const igi_merged *merged, const movement *reference)
+{
+    double sum = 0;
+    int count = 0;
+    for (int y = 8; y < SIDE_Y - 8; y++)
+        for (int x = 8; x < SIDE_X - 8; x++, count++) {
+            const float *p = merged->image->samples + (y * SIDE_X + x) * merged->image->channels;
+            double truth = pixel_of(reference, x, y);
+            sum += ((double)p[0] / truth - 1) * ((double)p[0] / truth - 1);
+        }
+    return sqrt(sum / count);
+}
+
+static void parts_of_a_pixel_and_turns(void)
+{
+    static const movement cases[][MOVED] = {{{.3, 0, 0}, {0, .3, 0}, {0, 0, 0}},
+                                            {{1.7, -.3, 0}, {-.6, 1.4, 0}, {0, 0, 0}},
+                                            {{0, 0, .1}, {.3, .3, -.1}, {0, 0, 0}}};
+    const double to_corner = hypot(SIDE_X, SIDE_Y) / 2 * 3.14159265358979 / 180;
+    igi_context *ctx = test_context(1);
+    for (int k = 0; k < 6; k++) {
+        const movement *moves = cases[k / 2];
+        int bits = k % 2 ? 16 : 8;
+        igi_merged *merged = merge_moved(ctx, moves, bits, true);
+        for (int i = 0; i < MOVED; i++) {
+            const igi_merged_frame *f = &merged->frames[i], *last = &merged->frames[MOVED - 1];
+            printf("%d bits: %+.3f %+.3f px, %+.4f deg\n", bits, f->shift_x, f->shift_y,
+                   f->rotation_deg);
+            CHECK_NEAR(f->shift_x - last->shift_x, moves[i].x, .05);
+            CHECK_NEAR(f->shift_y - last->shift_y, moves[i].y, .05);
+            CHECK_NEAR(f->rotation_deg * to_corner, moves[i].deg * to_corner, .05);
+        }
+        if (bits == 16) {
+            /* The last one shows most; it is not resampled. */
+            const igi_merged_frame *f = &merged->frames[MOVED - 1];
+            CHECK(f->shift_x == rint(f->shift_x) && f->rotation_deg == 0);
+            movement at = {-f->shift_x, -f->shift_y, 0};
+            igi_merged *left = merge_moved(ctx, moves, bits, false);
+            double with = error_of(merged, &at), without = error_of(left, &moves[MOVED - 1]);
+            printf("error %.4f, without aligning %.4f\n", with, without);
+            CHECK(with < .7 * without);
+            igi_merged_destroy(left);
+        }
+        igi_merged_destroy(merged);
+    }
+    igi_context_destroy(ctx);
+}
+
+/* Not a bit changes where nothing has moved. */
+static void what_lies_still_is_not_resampled(void)
+{
+    static const movement still[MOVED];
+    igi_context *ctx = test_context(1);
+    for (int bits = 8; bits <= 16; bits += 8) {
+        igi_merged *a = merge_moved(ctx, still, bits, true),
+                   *b = merge_moved(ctx, still, bits, false);
+        size_t size = (size_t)(SIDE_X * SIDE_Y * a->image->channels) * sizeof(float);
+        CHECK(memcmp(a->image->samples, b->image->samples, size) == 0);
+        igi_merged_destroy(a);
+        igi_merged_destroy(b);
+    }
+    igi_context_destroy(ctx);
+}
+
 static void every_allocation_may_fail(void)
 {
     igi_context *ctx = test_context(1);
@@ -571,7 +710,7 @@ static void phone_by_exif(void)
            (double)usage.ru_maxrss * 1024 / pixels);
     CHECK((double)usage.ru_maxrss * 1024 < (28 + 3 * 8) * pixels);
     /* The hand that pressed the button moved the phone by some pixels. */
-    CHECK(abs(merged->frames[0].shift_x - merged->frames[1].shift_x) <= 8);
+    CHECK(fabs(merged->frames[0].shift_x - merged->frames[1].shift_x) <= 8);
     CHECK(merged->frames[1].shift_x == 0 && merged->frames[1].shift_y == 0);
     CHECK_CONTAINS(merged->warning ? merged->warning : "", "processed the photographs differently");
     igi_merged_destroy(merged);
@@ -646,6 +785,8 @@ static void responses_from_few_numbers(void)
 }
 
 TEST_MAIN({"merges_at_the_cramer_rao_bound", merges_at_the_cramer_rao_bound},
+          {"parts_of_a_pixel_and_turns", parts_of_a_pixel_and_turns},
+          {"what_lies_still_is_not_resampled", what_lies_still_is_not_resampled},
           {"ratios_are_recovered", ratios_are_recovered},
           {"ratios_by_a_known_curve", ratios_by_a_known_curve},
           {"what_all_clip_is_marked", what_all_clip_is_marked},
