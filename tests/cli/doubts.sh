@@ -18,10 +18,10 @@ cat >outline.json <<'END'
 { "igi_sweep": 1, "name": "outline", "about": "a test", "axis": { "label": "share" },
   "base": ["room.json"], "perturb": { "kind": "lamp-outline" }, "severities": [0.1] }
 END
-sed 's/"width": 96, "height": 72, "samples": 24/"width": 64, "height": 48, "samples": 10/
+sed 's/"width": 96, "height": 72, "samples": 16/"width": 64, "height": 48, "samples": 10/
     s/"model": "ward", //; s/"specular": [0-9.]*, "alpha": [0-9.]* /"model": "lambert" /' \
     "$sweeps/rooms/room.json" >room.json
-sed 's/"width": 96, "height": 72, "samples": 24/"width": 64, "height": 48, "samples": 10/
+sed 's/"width": 96, "height": 72, "samples": 16/"width": 64, "height": 48, "samples": 10/
     s/"model": "ward", "specular": 0.1, "alpha": 0.15/"model": "phong", "specular": 0.3, "alpha": 0.15/' \
     "$sweeps/rooms/room.json" >phong.json
 expect 0 "" "$igi" synth -q phong.json -o phong
