@@ -154,6 +154,14 @@ static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int ban
             e->alpha + IGI_BOUND_SIGMAS * e->alpha_std));
         IGI_TRY(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
     }
+    if (e->broader != IGI_LAMBERT) {
+        IGI_TRY(igi_strprintf(
+            ctx, &sentence,
+            "its highlights are too broad to tell lobes' families apart: %s's, with "
+            "alpha above %g, may fit as well: specular and alpha are those of %s's",
+            igi_model_name(e->broader), IGI_FIT_ALPHA_HIGH, igi_model_name(e->model)));
+        IGI_TRY(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
+    }
     if (e->rival == IGI_LAMBERT) return IGI_OK;
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "its highlights have the shape of %s's lobe rather than %s's, which was "

@@ -14,7 +14,8 @@
 
 typedef struct igi_lobe_estimate {
     igi_model model;
-    igi_model rival; /* that fits better, though the user asked for `model`; IGI_LAMBERT: none */
+    igi_model rival;   /* that fits better, though the user asked for `model`; IGI_LAMBERT: none */
+    igi_model broader; /* that may fit as well, with an alpha beyond what is looked for; likewise */
     double specular, specular_std;
     double alpha, alpha_std;
     double noise_std; /* of specular, were independent noise all that there is */

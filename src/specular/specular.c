@@ -52,13 +52,19 @@ static bool is_per_point(const igi_problem *p, size_t region)
     return p->scene->regions[region].textured == IGI_YES;
 }
 
+/* How much better a family must be: more than the noise of such differences, a share of all residuals. */
+static double margin_of(const igi_lobe_estimate *e)
+{
+    return MODEL_GAIN + MODEL_SHARE * e->residuals;
+}
+
 /* A later model must be better by more than the noise of such differences, which for sharp lobes is
  * that of S: a share of all that the lobe explains; and a lobe that ran into
  * an end of what is looked for is none. */
 static bool is_better(const igi_lobe_estimate *later, const igi_lobe_estimate *best)
 {
     if (later->at_bound != best->at_bound) return best->at_bound;
-    double margin = MODEL_GAIN + MODEL_SHARE * later->residuals;
+    double margin = margin_of(later);
     if (best->alpha < (double)IGI_SHARP_ALPHA)
         margin += SHARP_SHARE * fmax(0, best->plain_deviance - best->deviance);
     return later->deviance < best->deviance - margin;
@@ -113,7 +119,7 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
 {
     igi_highlights *h = NULL;
     igi_status status = IGI_OK;
-    igi_lobe_estimate *best = &s->specular->estimates[region], found;
+    igi_lobe_estimate *best = &s->specular->estimates[region], found, broad = {.at_bound = false};
     igi_model before = best->model;
     double near_alpha = best->alpha;
     IGI_TRY_GOTO(choose_highlights(ctx, s, region, options, &h));
@@ -124,7 +130,10 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
         IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], start, &found));
         record(s, region, before == IGI_LAMBERT ? "search" : "refine", &found);
         if (i == 0 || is_better(&found, best)) *best = found;
+        if (found.at_bound && (!broad.at_bound || found.deviance < broad.deviance)) broad = found;
     }
+    if (broad.at_bound && !best->at_bound && best->deviance > broad.deviance - margin_of(best))
+        best->broader = broad.model;
 cleanup:
     igi_highlights_destroy(h);
     return status;
@@ -231,12 +240,13 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
                                          .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
         igi_lobe_estimate *e = &s->specular->estimates[r], before = *e;
         IGI_TRY(fit_region(ctx, s, r, options, models, 3));
-        const igi_model best = e->model, chosen = asked ? models[0] : best;
+        const igi_model best = e->model, chosen = asked ? models[0] : best, broader = e->broader;
         if (asked) *e = before;
         options.pixels = asked ? MOST_PIXELS : enough_pixels(FEW_PIXELS, e);
         options.lamp_samples = 96;
         if (options.pixels > FEW_PIXELS) IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
         e->rival = best != chosen ? best : IGI_LAMBERT;
+        e->broader = asked ? IGI_LAMBERT : broader;
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], KEEP_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
