@@ -63,7 +63,7 @@ static igi_status judge_intervals(igi_context *ctx, const igi_materials *truth, 
         const igi_material *want = find(truth, e->region), *got = find(c->materials, e->region);
         if (!e->judged || e->missing || !want || !got) continue;
         for (int b = 0; b < truth->bands && !want->map && !got->textured; b++) {
-            char what[16];
+            char what[24];
             snprintf(what, sizeof what, "albedo %d", b);
             IGI_TRY(judge(ctx, e->region, what, got->albedo[b], want->albedo[b], got->albedo_std[b],
                           c));

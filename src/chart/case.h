@@ -15,7 +15,7 @@
 
 /* What a result states with a standard deviation, and the truth. */
 typedef struct chart_interval {
-    char region[64], what[16]; /* "albedo 0".., CHART_SPECULAR, "alpha" */
+    char region[64], what[24]; /* "albedo 0".., CHART_SPECULAR, "alpha" */
     double got, want, std;
 } chart_interval;
 
