@@ -28,6 +28,18 @@ static bool bands_are_tied(igi_light_type type)
     return type == IGI_LIGHT_GONIOMETRIC;
 }
 
+/* What photographs show of a lamp among other things is a guess with an error of its own. */
+static igi_power_variable make_variable(const igi_powers *p, size_t light, int band)
+{
+    igi_power_variable v = {
+        .light = light, .column = p->columns, .band = band, .value = 1, .guess_std = IGI_GUESS_STD};
+    const igi_light *l = &p->problem->lights[light];
+    if (!l->known || band == IGI_ALL_BANDS) return v;
+    v.unit = l->value[band];
+    v.guess_std = p->problem->light_std[light][band] / v.unit;
+    return v;
+}
+
 static igi_status list_variables(igi_context *ctx, igi_powers *p)
 {
     const igi_problem *problem = p->problem;
@@ -36,8 +48,7 @@ static igi_status list_variables(igi_context *ctx, igi_powers *p)
         if (!problem->solved[l]) continue;
         bool tied = bands_are_tied(problem->lights[l].type);
         for (size_t b = 0; b < (tied ? 1 : p->bands); b++)
-            p->variables[p->count++] = (igi_power_variable){
-                .light = l, .column = p->columns, .band = tied ? IGI_ALL_BANDS : (int)b};
+            p->variables[p->count++] = make_variable(p, l, tied ? IGI_ALL_BANDS : (int)b);
         p->columns++;
     }
     return IGI_OK;
@@ -197,6 +208,7 @@ static void guess_units(igi_powers *p)
     for (size_t v = 0; v < p->count; v++) {
         igi_power_variable *var = &p->variables[v];
         double squares = 0, missing = 0, all = 0;
+        if (var->unit > 0) continue;
         for (size_t cell = 0; cell < p->cells.count; cell++)
             for (size_t b = 0; b < p->bands; b++) {
                 if (var->band != IGI_ALL_BANDS && (size_t)var->band != b) continue;
@@ -208,7 +220,6 @@ static void guess_units(igi_powers *p)
             }
         if (squares > 0 && all > 0)
             var->unit = fmax(missing, 0.1 * all) / (squares * (double)p->columns);
-        var->value = 1;
     }
 }
 
@@ -240,9 +251,9 @@ static void average_regions(igi_powers *p)
 static void assemble(igi_powers *p)
 {
     size_t n = p->count;
-    double precision = 1 / (IGI_GUESS_STD * IGI_GUESS_STD);
     memset(p->matrix, 0, n * n * sizeof *p->matrix);
-    for (size_t v = 0; v < n; v++) p->right[v] = p->matrix[v * n + v] = precision;
+    for (size_t v = 0; v < n; v++)
+        p->right[v] = p->matrix[v * n + v] = igi_guess_precision(&p->variables[v]);
     for (size_t cell = 0; cell < p->cells.count; cell++)
         for (size_t b = 0; b < p->bands; b++) {
             if (!(p->inverse[p->cells.region[cell] * p->bands + b] > 0)) continue;

@@ -88,7 +88,7 @@ static igi_status fill_covariance(igi_context *ctx, igi_powers *p, const igi_pla
     size_t n = p->count;
     double *score;
     IGI_TRY(IGI_ALLOC(ctx, n, &score));
-    for (size_t v = 0; v < n; v++) o->covariance[v * n + v] = 1 / (IGI_GUESS_STD * IGI_GUESS_STD);
+    for (size_t v = 0; v < n; v++) o->covariance[v * n + v] = igi_guess_precision(&p->variables[v]);
     add_scores(p, score, o->covariance);
     memset(score, 0, n * sizeof *score);
     add_pull(p, places, diffuse, score);

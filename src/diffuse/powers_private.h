@@ -9,7 +9,7 @@
 #include "diffuse/powers.h"
 
 #define IGI_ALL_BANDS (-1)
-/* Standard deviation of the guess about each value, in the value's unit, which is the guess. */
+/* Standard deviation of a guess, in the value's unit, which is the guess. */
 #define IGI_GUESS_STD 3.0
 
 /* An unknown number: a light's value in a band, or, of lights whose bands stand in a given ratio
@@ -19,6 +19,7 @@ typedef struct igi_power_variable {
     int band;             /* IGI_ALL_BANDS, or the one */
     double unit;          /* a guess of the value; 0: the light reaches nothing that is seen */
     double value;         /* in units */
+    double guess_std;     /* of the guess, in units: IGI_GUESS_STD, or that of what was read */
 } igi_power_variable;
 
 struct igi_powers {
@@ -46,6 +47,11 @@ struct igi_powers {
 static inline bool igi_power_in_band(const igi_power_variable *v, size_t band)
 {
     return v->unit > 0 && (v->band == IGI_ALL_BANDS || (size_t)v->band == band);
+}
+
+static inline double igi_guess_precision(const igi_power_variable *v)
+{
+    return 1 / (v->guess_std * v->guess_std);
 }
 
 /* Irradiance of a cell by a variable of value 1, in units. */

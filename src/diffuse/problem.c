@@ -11,7 +11,8 @@
 #define OUTLIER_SIGMAS 6.0
 /* A lamp of which more than this share is seen from behind, brightly, is turned around. */
 #define BACK_SHARE 0.2
-#define FEW_PIXELS 5 /* below that, nothing can be told from an outlier */
+#define MOST_ERROR 0.3 /* relative, of a lamp that is read from pixels which show more than it */
+#define FEW_PIXELS 5   /* below that, nothing can be told from an outlier */
 
 uint32_t igi_problem_side_of(const igi_problem *problem, size_t observation)
 {
@@ -121,12 +122,29 @@ static void look_at_lamp(const igi_problem *p, int region, lamp_side sides[2])
     }
 }
 
+/* Of a lamp without clean pixels: from all that it shows in. */
+static void read_small_lamp(const igi_problem *p, igi_light *light, double std[IGI_MAX_BANDS])
+{
+    const igi_observations *o = p->observations;
+    igi_lamp_value seen = igi_lamps_sum(o->readings, o->reading_count, p->bands,
+                                        (uint32_t)light->region);
+    if (seen.photographs == 0) return;
+    for (int b = 0; b < p->bands; b++)
+        if (!(seen.error[b] < MOST_ERROR * seen.radiance[b])) return;
+    light->known = true;
+    memcpy(light->value, seen.radiance, sizeof seen.radiance);
+    memcpy(std, seen.error, sizeof seen.error);
+}
+
 /* Radiance of a lamp whose value nobody gave: the mean over what is seen of its front. */
 static void read_lamp(const igi_problem *p, const lamp_side *front, igi_light *light,
                       double std[IGI_MAX_BANDS])
 {
     double n = front->pixels;
-    if (n == 0) return;
+    if (n == 0) {
+        read_small_lamp(p, light, std);
+        return;
+    }
     light->known = true;
     for (int b = 0; b < p->bands; b++) {
         light->value[b] = front->sum[b] / n;
@@ -182,8 +200,9 @@ static igi_status prepare_lights(igi_context *ctx, igi_problem *p)
         if (is_lamp) IGI_TRY(check_lamp(ctx, p, &p->lights[l], sides));
         if (p->lights[l].known) continue;
         if (is_lamp) read_lamp(p, &sides[0], &p->lights[l], p->light_std[l]);
-        p->solved[l] = !p->lights[l].known;
-        if (p->solved[l] && p->options->method != IGI_METHOD_PATCHES)
+        bool solves = p->options->method == IGI_METHOD_PATCHES;
+        p->solved[l] = !p->lights[l].known || (solves && is_lamp && sides[0].pixels == 0);
+        if (p->solved[l] && !solves)
             return igi_fail(ctx, IGI_E_NO_ANSWER,
                             "lights[%zu]: its value is not given and no photograph shows it; give "
                             "it, add a photograph of it, or take the method that solves for it "

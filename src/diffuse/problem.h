@@ -26,8 +26,10 @@ typedef struct igi_problem {
                           its light falls differently in each */
     size_t *light_of;  /* [light_count] number of the scene's light */
     double (*light_std)[IGI_MAX_BANDS]; /* [light_count] */
-    bool *solved; /* [light_count] neither given nor seen: its value is solved for with the albedos,
-                     in `lights` and `light_std`; 0 and not known where it cannot be */
+    bool
+        *solved; /* [light_count] neither given nor seen by itself: its value is solved for with the
+                     albedos, in `lights` and `light_std`, from what was read of it if it is known by
+                     then; 0 and not known where it cannot be */
     int bands;
 
     size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */

@@ -153,6 +153,12 @@ static void scale_frame(igi_observations *o, size_t frame, float factor)
     size_t bands = (size_t)o->bands;
     for (size_t k = o->frame_begin[frame] * bands; k < o->frame_begin[frame + 1] * bands; k++)
         o->radiance[k] *= factor;
+    for (size_t k = 0; k < o->reading_count; k++)
+        for (size_t b = 0; o->readings[k].frame == frame && b < bands; b++) {
+            o->readings[k].radiance[b] *= (double)factor;
+            o->readings[k].error[b] *= (double)factor;
+            o->readings[k].highest[b] *= factor;
+        }
 }
 
 static void leave_out(igi_observations *o, size_t frame)
@@ -166,6 +172,8 @@ static void leave_out(igi_observations *o, size_t frame)
             rest * bands * sizeof *o->radiance);
     for (size_t f = frame + 1; f <= o->frame_count; f++) o->frame_begin[f] -= n;
     o->count -= n;
+    for (size_t k = 0; k < o->reading_count; k++)
+        if (o->readings[k].frame == frame) o->readings[k].error[0] = HUGE_VAL;
 }
 
 static igi_status warn_of_frame(igi_context *ctx, const igi_scene *scene,

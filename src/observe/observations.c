@@ -42,6 +42,8 @@ typedef struct frame_pixels {
     size_t hits, back; /* pixels that show a surface, and its clockwise side */
     size_t outline_count;
     igi_outline *outlines;
+    size_t reading_count;
+    igi_lamp_reading *readings;
     double lit_gaps;
 } frame_pixels;
 
@@ -208,6 +210,8 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     frame_pixels *f = &j->frames[frame];
     IGI_TRY_GOTO(igi_outlines_measure(ctx, j->scene, j->tracer, &meta->camera, image, &visible,
                                       &f->outlines, &f->outline_count));
+    IGI_TRY_GOTO(igi_lamps_measure(ctx, j->scene, j->tracer, frame, image, &visible, &f->readings,
+                                   &f->reading_count));
     f->lit_gaps = igi_lit_gaps(j->scene, image, &visible);
 cleanup:
     igi_visible_clear(&visible);
@@ -316,15 +320,21 @@ static igi_status join_all(igi_context *ctx, job *j, igi_observations *o)
     return IGI_OK;
 }
 
-static igi_status join_outlines(igi_context *ctx, const job *j, igi_observations *o)
+static igi_status join_lamps(igi_context *ctx, const job *j, igi_observations *o)
 {
-    size_t count = 0;
-    for (size_t i = 0; i < o->frame_count; i++) count += j->frames[i].outline_count;
-    IGI_TRY(IGI_ALLOC(ctx, count, &o->outlines));
+    size_t outlines = 0, readings = 0;
+    for (size_t i = 0; i < o->frame_count; i++) {
+        outlines += j->frames[i].outline_count;
+        readings += j->frames[i].reading_count;
+    }
+    IGI_TRY(IGI_ALLOC(ctx, outlines, &o->outlines));
+    IGI_TRY(IGI_ALLOC(ctx, readings, &o->readings));
     for (size_t i = 0; i < o->frame_count; i++) {
         const frame_pixels *f = &j->frames[i];
         for (size_t k = 0; k < f->outline_count; k++)
             o->outlines[o->outline_count++] = f->outlines[k];
+        for (size_t k = 0; k < f->reading_count; k++)
+            o->readings[o->reading_count++] = f->readings[k];
         o->lit_gaps += f->lit_gaps / (double)o->frame_count;
     }
     return IGI_OK;
@@ -385,7 +395,7 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     j.scarce = o->scarce;
     IGI_TRY_GOTO(drop_edges(ctx, &j));
     IGI_TRY_GOTO(join_all(ctx, &j, o));
-    IGI_TRY_GOTO(join_outlines(ctx, &j, o));
+    IGI_TRY_GOTO(join_lamps(ctx, &j, o));
     *observations = o;
     o = NULL;
 cleanup:
@@ -397,6 +407,7 @@ cleanup:
         igi_free(j.frames[i].radiance);
         igi_free(j.frames[i].warning);
         igi_free(j.frames[i].outlines);
+        igi_free(j.frames[i].readings);
     }
     igi_photographs_close(j.photographs);
     igi_free(j.frames);
@@ -435,6 +446,7 @@ void igi_observations_destroy(igi_observations *observations)
     igi_free(observations->registrations);
     igi_free(observations->saturated);
     igi_free(observations->outlines);
+    igi_free(observations->readings);
     igi_free(observations->frame_begin);
     igi_free(observations->scarce);
     igi_free(observations->surface);

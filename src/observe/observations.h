@@ -7,6 +7,7 @@
 
 #include "observe/edges.h"
 #include "observe/outlines.h"
+#include "observe/small_lamps.h"
 
 /* One side of one triangle, in one number. */
 static inline uint32_t igi_surface_of(const igi_hit *hit)
@@ -37,7 +38,9 @@ typedef struct igi_observations {
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t outline_count;
     igi_outline *outlines; /* [outline_count] */
-    double lit_gaps;       /* mean over the photographs */
+    size_t reading_count;
+    igi_lamp_reading *readings; /* [reading_count] of lamps whose radiance nobody gave */
+    double lit_gaps;            /* mean over the photographs */
     size_t warning_count;
     char **warnings;
 } igi_observations;

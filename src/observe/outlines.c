@@ -91,19 +91,24 @@ static double covered(const scan *s, int x, int y)
     return (double)hits / (PARTS * PARTS);
 }
 
-/* Nothing in the window may be another lamp, not finite or saturated. */
-static bool is_usable(const scan *s, int x, int y)
+bool igi_pixel_suits_lamp(const igi_scene *scene, const igi_image *image,
+                          const igi_visible *visible, size_t pixel, uint32_t lamp)
 {
-    const igi_hit *hit = hit_at(s, x, y);
-    size_t pixel = (size_t)y * (size_t)s->visible->width + (size_t)x;
-    const float *p = s->image->samples + pixel * (size_t)s->image->channels;
-    for (int c = 0; c < s->image->channels; c++) {
-        bool marks = c >= s->scene->bands && strcmp(s->image->names[c], "saturated") == 0;
-        if (c < s->scene->bands ? !isfinite(p[c]) : marks && !(p[c] <= 0)) return false;
+    const igi_hit *hit = &visible->hits[pixel];
+    const float *p = image->samples + pixel * (size_t)image->channels;
+    for (int c = 0; c < image->channels; c++) {
+        bool marks = c >= scene->bands && strcmp(image->names[c], "saturated") == 0;
+        if (c < scene->bands ? !isfinite(p[c]) : marks && !(p[c] <= 0)) return false;
     }
     if (hit->triangle == IGI_NO_HIT) return false;
-    uint32_t region = s->scene->mesh.regions[hit->triangle];
-    return region == s->region || !s->scene->regions[region].emitter;
+    uint32_t region = scene->mesh.regions[hit->triangle];
+    return region == lamp || !scene->regions[region].emitter;
+}
+
+static bool is_usable(const scan *s, int x, int y)
+{
+    size_t pixel = (size_t)y * (size_t)s->visible->width + (size_t)x;
+    return igi_pixel_suits_lamp(s->scene, s->image, s->visible, pixel, s->region);
 }
 
 static int quarter_of(const scan *s, int x, int y)

@@ -28,6 +28,9 @@ IGI_MUST_USE igi_status igi_outlines_measure(igi_context *ctx, const igi_scene *
                                              const igi_tracer *tracer, const igi_camera *camera,
                                              const igi_image *image, const igi_visible *visible,
                                              igi_outline **outlines, size_t *count);
+/* A pixel around a lamp: it shows no other lamp, is finite and is not marked as saturated. */
+bool igi_pixel_suits_lamp(const igi_scene *scene, const igi_image *image,
+                          const igi_visible *visible, size_t pixel, uint32_t lamp);
 igi_lamp_size igi_outlines_sum(const igi_outline *outlines, size_t count, uint32_t region);
 
 /* Share of a photograph's pixels that show no surface of the mesh, but light: at least a tenth of what

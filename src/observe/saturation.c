@@ -6,6 +6,7 @@
  */
 #include "observe/saturation.h"
 
+#include <math.h>
 #include <string.h>
 
 #define FEWEST_CLIPPED 5
@@ -91,6 +92,9 @@ static size_t leave_out(const scan *s, const float common[IGI_MAX_BANDS], const 
         float tops[IGI_MAX_BANDS];
         memcpy(tops, common, sizeof tops);
         lower_tops(s, (const size_t[2]){next, end}, tops);
+        for (size_t k = 0; k < o->reading_count; k++)
+            for (int b = 0; o->readings[k].frame == f && b < o->bands; b++)
+                if (o->readings[k].highest[b] >= tops[b]) o->readings[k].error[b] = HUGE_VAL;
         for (; next < end; next++) {
             bool clipped = is_clipped(o, next, tops);
             const igi_region *region = region_of(s->scene, o, next);
