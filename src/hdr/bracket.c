@@ -6,6 +6,7 @@
  */
 #include "base/context.h"
 #include "base/vec.h"
+#include "hdr/bracket_private.h"
 #include "hdr/merge_private.h"
 
 #include <math.h>
@@ -13,27 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A third of a stop: cameras round their times by less. */
-#define FALSE_RATIO (.693147 / 3)
 #define NEARLY_SATURATED .92
-
-typedef struct ordered {
-    const igi_exposure *exposure;
-    double h;
-    size_t given; /* its place in the caller's order */
-} ordered;
 
 static int by_exposure(const void *a, const void *b)
 {
     const ordered *x = a, *y = b;
     if (x->h != y->h) return x->h < y->h ? -1 : 1;
     return (x->given > y->given) - (x->given < y->given);
-}
-
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }
 
 static igi_status order_exposures(igi_context *ctx, const igi_exposure *exposures, size_t count,
@@ -64,7 +51,7 @@ static igi_status check_shape(igi_context *ctx, const char *path, const igi_phot
                     "%s: %d x %d pixels, %d channels of %d levels, and %s has %d x %d, %d of %d; "
                     "a bracket is of one camera and one size",
                     path, photo->width, photo->height, photo->channels, photo->levels,
-                    base_name(first_path), first->width, first->height, first->channels,
+                    igi_hdr_base_name(first_path), first->width, first->height, first->channels,
                     first->levels);
 }
 
@@ -102,15 +89,6 @@ static igi_status known_response(igi_context *ctx, igi_response_kind kind,
     return IGI_OK;
 }
 
-typedef struct job {
-    const igi_merge_options *options;
-    const igi_exposure *exposures; /* as given */
-    ordered *frames;
-    igi_bracket bracket;
-    igi_response *response; /* NULL until known */
-    bool fitted;
-} job;
-
 /* First the one, then the other. */
 static igi_shift add_shifts(const igi_shift *first, const igi_shift *then)
 {
@@ -132,6 +110,16 @@ static double measure_unsaturated(const igi_photo *photo)
         below += highest < NEARLY_SATURATED * photo->levels;
     }
     return (double)below / (double)seen;
+}
+
+/* Of the same grid; a part of the range of codes. */
+static double brightest_code(const igi_photo *photo)
+{
+    size_t samples = (size_t)photo->width * (size_t)photo->height * (size_t)photo->channels;
+    uint16_t highest = 0;
+    for (size_t i = 0; i < samples; i += samples / 150000 + 1)
+        if (photo->codes[i] > highest) highest = photo->codes[i];
+    return (double)highest / (photo->levels - 1);
 }
 
 /* Parts of a pixel and turns are counted from the photograph in which the most pixels have their longest
@@ -191,11 +179,15 @@ static igi_status first_pass(igi_context *ctx, job *j)
             bracket->levels = photo->levels;
             if (kind < IGI_RESPONSE_RECOVERED)
                 IGI_TRY_GOTO(known_response(ctx, kind, j->options, photo, &j->response));
+            j->guessed = kind == IGI_RESPONSE_SRGB && j->options->response == IGI_RESPONSE_AUTO;
+            j->taken_as_linear = kind == IGI_RESPONSE_LINEAR && !photo->linear;
         } else {
             IGI_TRY_GOTO(check_shape(ctx, path, photo, j->frames[0].exposure->path, previous));
+            IGI_TRY_GOTO(igi_hdr_refuse_twins(ctx, j, i, previous, photo));
             IGI_TRY_GOTO(compare_neighbours(ctx, j, i - 1, previous, photo));
         }
         bracket->unsaturated[i] = measure_unsaturated(photo);
+        j->brightest = fmax(j->brightest, brightest_code(photo));
         igi_photo_destroy(previous);
         previous = photo;
         photo = NULL;
@@ -205,48 +197,6 @@ cleanup:
     igi_photo_destroy(previous);
     igi_photo_destroy(photo);
     return status;
-}
-
-/* Appends what is wrong with a pair; false when the sentence is full. */
-static bool describe(const job *j, size_t pair, double seen, char *sentence, size_t size)
-{
-    const igi_bracket *bracket = &j->bracket;
-    size_t length = strlen(sentence);
-    if (length + 200 > size) return false;
-    snprintf(sentence + length, size - length,
-             "%s%.60s is stated to have %.2f times the exposure of %.60s and shows %.2f",
-             length ? ", " : "", base_name(j->frames[pair + 1].exposure->path),
-             exp(bracket->log_h[pair + 1] - bracket->log_h[pair]),
-             base_name(j->frames[pair].exposure->path), exp(seen));
-    return true;
-}
-
-/* Refuses false lists; puts EXIF's ratio in the place of one that a camera's processing shows. */
-static igi_status judge_exposures(igi_context *ctx, job *j, char **warning)
-{
-    igi_bracket *bracket = &j->bracket;
-    char wrong[800] = "", odd[800] = "";
-    size_t first = SIZE_MAX, more = 0;
-    for (size_t p = 0; p + 1 < bracket->count; p++) {
-        double stated = bracket->log_h[p + 1] - bracket->log_h[p], seen = bracket->log_ratio[p];
-        if (isnan(seen) || fabs(seen - stated) <= FALSE_RATIO) continue;
-        bool camera = j->frames[p].exposure->from_camera && j->frames[p + 1].exposure->from_camera;
-        if (camera && fabs(seen) > .02) {
-            (void)describe(j, p, seen, odd, sizeof odd);
-            bracket->log_ratio[p] = stated;
-            continue;
-        }
-        if (first == SIZE_MAX) first = p;
-        more += !describe(j, p, seen, wrong, sizeof wrong);
-    }
-    if (first != SIZE_MAX)
-        return igi_fail(ctx, IGI_E_DATA, "%s: false exposures: %s%s; correct the times",
-                        j->frames[first + 1].exposure->path, wrong, more ? ", and more" : "");
-    if (!odd[0]) return IGI_OK;
-    return igi_strprintf(ctx, warning,
-                         "the camera processed the photographs differently (%s): the radiance is "
-                         "rough; merge raw files where you have them",
-                         odd);
 }
 
 /* What the pictures say replaces what is stated; the mean logarithm, and so the unit, stays. */
@@ -268,8 +218,6 @@ static void use_measured_ratios(igi_bracket *bracket)
         bracket->log_h[i] += (stated - sum) / (double)bracket->count;
 }
 
-/* Ratios seen through a response that was fitted to the same pictures are checks, no better
- * values: film and phones bend such a curve by more than a camera rounds its times. */
 /* The curve again, from few functions. */
 static igi_status fit_basis(igi_context *ctx, job *j)
 {
@@ -286,6 +234,8 @@ static igi_status fit_basis(igi_context *ctx, job *j)
     return status;
 }
 
+/* Ratios seen through a response that was fitted to the same pictures are checks, no better
+ * values: film and phones bend such a curve by more than a camera rounds its times. */
 static igi_status settle_exposures(igi_context *ctx, job *j, char **warning)
 {
     igi_bracket *bracket = &j->bracket;
@@ -297,7 +247,7 @@ static igi_status settle_exposures(igi_context *ctx, job *j, char **warning)
     if (bracket->count < 2) return IGI_OK;
     j->fitted = !j->response;
     if (j->fitted) IGI_TRY(igi_hdr_recover_response(ctx, bracket, &j->response));
-    IGI_TRY(judge_exposures(ctx, j, warning));
+    IGI_TRY(igi_hdr_judge_exposures(ctx, j, warning));
     if (j->options->response == IGI_RESPONSE_POLYNOMIAL ||
         j->options->response == IGI_RESPONSE_EMOR)
         return fit_basis(ctx, j);
@@ -394,6 +344,7 @@ igi_status igi_merge(igi_context *ctx, const igi_exposure *exposures, size_t cou
     made->count = count;
     for (size_t i = 0; i < count; i++) made->frames[i].stated = igi_hdr_exposure(&exposures[i]);
     IGI_TRY_GOTO(first_pass(ctx, &j));
+    IGI_TRY_GOTO(igi_hdr_judge_light(ctx, &j, &made->warning));
     IGI_TRY_GOTO(settle_exposures(ctx, &j, &made->warning));
     if (j.options->method == IGI_MERGE_PHOTON) IGI_TRY_GOTO(second_pass(ctx, &j, made));
     else

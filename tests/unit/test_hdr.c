@@ -409,6 +409,63 @@ static void what_lies_still_is_not_resampled(void)
     igi_context_destroy(ctx);
 }
 
+/* Brackets that are none, each with a sentence. */
+static void write_even(const char *path, int bits, double light)
+{
+    static uint16_t wide[80 * 60];
+    static uint8_t narrow[80 * 60];
+    for (int i = 0; i < 80 * 60; i++) {
+        double x = fmin(1, light * (.2 + .8 * (i % 80 / 79.)));
+        wide[i] = (uint16_t)(65535 * pow(x, bits == 16 ? 1 : 1 / 2.2) + .5);
+        narrow[i] = (uint8_t)(255 * x + .5);
+    }
+    png_image writer = {.version = PNG_IMAGE_VERSION,
+                        .width = 80,
+                        .height = 60,
+                        .format = bits == 8 ? PNG_FORMAT_GRAY : PNG_FORMAT_LINEAR_Y};
+    const void *codes = bits == 8 ? (const void *)narrow : (const void *)wide;
+    if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
+}
+
+static void what_is_wrong_is_said(void)
+{
+    enum { GAMMA_16 = 17 }; /* 16 bits with a curve */
+    static const struct {
+        int bits;
+        double light[2], time_s[2];
+        const char *sentence;
+    } cases[] = {
+        {16, {9, 36}, {1, 4}, "test_hdr_wrong_0.png: saturated everywhere"},
+        {8, {9, 36}, {1, 4}, "test_hdr_wrong_0.png: saturated everywhere"},
+        {16, {1e-4, 4e-4}, {1, 4}, "test_hdr_wrong_1.png: black everywhere"},
+        {8, {.005, .02}, {1, 4}, "test_hdr_wrong_1.png: black everywhere"},
+        {16, {.5, .5}, {1, 1}, "test_hdr_wrong_1.png: the same picture as test_hdr_wrong_0.png"},
+        {8, {.5, .5}, {1, 1}, "test_hdr_wrong_1.png: the same picture as test_hdr_wrong_0.png"},
+        {GAMMA_16, {.1, .4}, {1, 4}, "or say --response recovered"},
+    };
+    igi_context *ctx = test_context(1);
+    char paths[2][40];
+    igi_exposure exposures[2];
+    igi_merged *merged = NULL;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        for (int i = 0; i < 2; i++) {
+            snprintf(paths[i], 40, "test_hdr_wrong_%d.png", i);
+            write_even(paths[i], cases[k].bits, cases[k].light[i]);
+            exposures[i] = (igi_exposure){.path = paths[i], .time_s = cases[k].time_s[i]};
+        }
+        CHECK(igi_merge(ctx, exposures, 2, NULL, &merged) == IGI_E_DATA && !merged);
+        CHECK_CONTAINS(igi_context_message(ctx), cases[k].sentence);
+    }
+    write_even(paths[0], 8, .9);
+    CHECK_OK(ctx, igi_merge(ctx, exposures, 1, NULL, &merged));
+    CHECK(merged && merged->warning);
+    if (merged && merged->warning) CHECK_CONTAINS(merged->warning, "sRGB's is assumed");
+    igi_merged_destroy(merged);
+    remove(paths[0]);
+    remove(paths[1]);
+    igi_context_destroy(ctx);
+}
+
 static void every_allocation_may_fail(void)
 {
     igi_context *ctx = test_context(1);
@@ -794,6 +851,7 @@ TEST_MAIN({"merges_at_the_cramer_rao_bound", merges_at_the_cramer_rao_bound},
           {"what_all_clip_is_marked", what_all_clip_is_marked},
           {"responses_from_few_numbers", responses_from_few_numbers},
           {"what_moves_is_marked", what_moves_is_marked},
+          {"what_is_wrong_is_said", what_is_wrong_is_said},
           {"every_allocation_may_fail", every_allocation_may_fail}, {"lists", lists},
           {"memorial_church", memorial_church}, {"false_list_is_refused", false_list_is_refused},
           {"canon_by_exif", canon_by_exif}, {"phone_by_exif", phone_by_exif})
