@@ -69,7 +69,10 @@ typedef struct igi_correction {
     size_t *view_begin;   /* [2 patches + 1] the photographs that show a side: views
                              view_begin[side]..., in order; the last may stand for several */
     uint32_t *view_frame; /* [views] */
-    float *surfaces; /* [views][bands] the lobes' part of what it shows that came from no lamp */
+    float
+        *surfaces; /* [2][views][bands] the lobes' part of what it shows that came from no lamp, by
+                        either half of the rays; */
+    float *lamps;  /* [2][views] and the other part, mean over bands */
 } igi_correction;
 
 /* What a method finds. */

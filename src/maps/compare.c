@@ -43,7 +43,7 @@ static void predict(const job *j, size_t frame, const igi_hit *hit, igi_vec dire
     }
     igi_field_irradiance(j->field, igi_surface_of(hit), hit->u, hit->v, irradiance);
     for (int b = 0; b < p->bands; b++) radiance[b] = albedo[b] / IGI_PIF * irradiance[b];
-    if (p->lobes) igi_lobe_view_radiance(p->lobes, p, frame, hit, radiance, radiance);
+    if (p->lobes) igi_lobe_view_radiance(p->lobes, p, frame, hit, radiance);
 }
 
 static igi_status take_photograph(igi_context *ctx, const job *j, size_t frame, igi_comparison *c)

@@ -133,19 +133,18 @@ static float without_lobe(const igi_problem *problem, size_t observation, size_t
 {
     const igi_observations *o = problem->observations;
     size_t bands = (size_t)o->bands;
-    float lamps[IGI_MAX_BANDS] = {0}, surfaces[IGI_MAX_BANDS] = {0};
+    igi_lobe_parts lobe = {.lit = 0};
     igi_hit hit = {.triangle = igi_surface_triangle(o->surface[observation]),
                    .u = o->uv[2 * observation],
                    .v = o->uv[2 * observation + 1],
                    .back = igi_surface_is_back(o->surface[observation])};
-    if (problem->lobes)
-        igi_lobe_view_radiance(problem->lobes, problem, frame, &hit, lamps, surfaces);
+    int half = (int)(observation % 2);
+    if (problem->lobes) igi_lobe_view_parts(problem->lobes, problem, frame, &hit, half, &lobe);
     for (size_t b = 0; b < bands; b++)
-        radiance[b] = o->radiance[observation * bands + b] - lamps[b] - surfaces[b];
-    float lit = mean_of(lamps, bands), mirrored = mean_of(surfaces, bands);
+        radiance[b] = o->radiance[observation * bands + b] - lobe.radiance[b];
     diffuse = fmaxf(diffuse, 1e-9f);
-    *error = fminf(hypotf(LAMP_ERROR * lit, SURFACE_ERROR * mirrored) / diffuse, 1e6f);
-    float noise = PIXEL_NOISE * (1 + (lit + mirrored) / diffuse);
+    *error = fminf(hypotf(LAMP_ERROR * lobe.lit, SURFACE_ERROR * lobe.mirrored) / diffuse, 1e6f);
+    float noise = PIXEL_NOISE * (1 + (lobe.lit + lobe.mirrored) / diffuse);
     return PIXEL_NOISE * PIXEL_NOISE / (noise * noise + *error * *error);
 }
 

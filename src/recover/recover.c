@@ -28,6 +28,10 @@
 #define ATTEMPTS 2
 #define SHARPER 4
 
+/* No dielectric mirrors more of light that falls on it at right angles (diamond .17, rutile .2); metals
+ * do, and nothing comes back from inside of them. */
+#define METAL_SPECULAR 0.25
+
 /* rho_s of plastic and varnish; less goes without saying. */
 #define WORTH_A_WORD 0.03
 
@@ -171,6 +175,26 @@ static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int ban
     return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
+/* A metal's diffuse part must be asked for: where its standard deviation allows for none, there is none. */
+static igi_status drop_metals_diffuse(igi_context *ctx, int bands, igi_material *m)
+{
+    double most = 0;
+    if (m->model == IGI_LAMBERT || m->specular < METAL_SPECULAR || m->textured) return IGI_OK;
+    for (int b = 0; b < bands; b++) {
+        if (m->albedo[b] > IGI_BOUND_SIGMAS * m->albedo_std[b]) return IGI_OK;
+        most = fmax(most,
+                    fmin(1 - m->specular, m->albedo[b] + IGI_BOUND_SIGMAS * m->albedo_std[b]));
+    }
+    for (int b = 0; b < bands; b++) m->albedo[b] = 0;
+    char *sentence;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "it mirrors as much as metals alone do, and what is seen beside its lobe "
+                          "leaves open whether there is a diffuse part (at most %.2g): none is "
+                          "assumed",
+                          fmax(0, most)));
+    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+}
+
 static igi_status make_materials(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
                                  const igi_specular *s, igi_materials **materials)
 {
@@ -244,6 +268,8 @@ static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_d
     IGI_TRY_GOTO(igi_layout_create(ctx, problem->scene, &layout));
     IGI_TRY_GOTO(
         igi_maps_create(ctx, problem, field, layout, recovery->materials, recovery->evidence));
+    for (size_t r = 0; r < recovery->materials->count; r++)
+        IGI_TRY_GOTO(drop_metals_diffuse(ctx, problem->bands, &recovery->materials->materials[r]));
     IGI_TRY_GOTO(igi_doubts_add(ctx, problem, field, recovery->materials));
     igi_stage_begin(ctx, "compare");
     IGI_TRY_GOTO(igi_compare(ctx, problem, field, layout, recovery));

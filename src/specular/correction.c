@@ -129,7 +129,8 @@ igi_status igi_correction_find(igi_context *ctx, const igi_radiance_field *field
     IGI_TRY(IGI_ALLOC(ctx, p->scene->region_count, &regions));
     average_regions(p, diffuse, regions);
     memset(correction->seen, 0, sides * bands * sizeof(float));
-    memset(correction->surfaces, 0, correction->view_begin[sides] * bands * sizeof(float));
+    memset(correction->surfaces, 0, 2 * correction->view_begin[sides] * bands * sizeof(float));
+    memset(correction->lamps, 0, 2 * correction->view_begin[sides] * sizeof(float));
     for (size_t i = 0; i < sides; i++) correction->trust[i] = 1;
     job j = {p, field, diffuse, correction, regions, round};
     size_t tasks = (diffuse->rows->count + SIDES_A_TASK - 1) / SIDES_A_TASK;
@@ -167,7 +168,8 @@ igi_status igi_correction_create(igi_context *ctx, const igi_problem *problem, c
     IGI_TRY(IGI_ALLOC(ctx, sides + 1, &c->view_begin));
     list_views(problem, c->view_begin, NULL);
     IGI_TRY(IGI_ALLOC(ctx, c->view_begin[sides], &c->view_frame));
-    IGI_TRY(IGI_ALLOC(ctx, c->view_begin[sides] * bands, &c->surfaces));
+    IGI_TRY(IGI_ALLOC(ctx, 2 * c->view_begin[sides] * bands, &c->surfaces));
+    IGI_TRY(IGI_ALLOC(ctx, 2 * c->view_begin[sides], &c->lamps));
     list_views(problem, c->view_begin, c->view_frame);
     return IGI_OK;
 }
@@ -180,5 +182,6 @@ void igi_correction_clear(igi_correction *correction)
     igi_free(correction->view_begin);
     igi_free(correction->view_frame);
     igi_free(correction->surfaces);
+    igi_free(correction->lamps);
     *correction = (igi_correction){0};
 }

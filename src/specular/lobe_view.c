@@ -28,23 +28,19 @@ static void add_mirrored(const igi_problem *p, const igi_lobe *lobe, igi_vec poi
     }
 }
 
-static void add_surfaces(const igi_correction *c, size_t bands, uint32_t side, size_t frame,
-                         float *radiance)
+/* The view of a side in a photograph; SIZE_MAX: no photograph shows the side. */
+static size_t view_of_side(const igi_correction *c, uint32_t side, size_t frame)
 {
     size_t at = c->view_begin[side], end = c->view_begin[side + 1];
-    if (at == end) return; /* no photograph shows it */
+    if (at == end) return SIZE_MAX;
     while (at + 1 < end && c->view_frame[at] < frame) at++;
-    for (size_t b = 0; b < bands; b++) radiance[b] += c->surfaces[at * bands + b];
+    return at;
 }
 
-void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
-                            const igi_hit *hit, float *lamps, float *surfaces)
+static void add_lamps(const igi_lobe_view *view, const igi_problem *problem, const igi_lobe *lobe,
+                      uint32_t side, size_t frame, const igi_hit *hit, float *lamps)
 {
     const igi_problem *p = problem;
-    const igi_lobe *lobe = &view->lobes[p->scene->mesh.regions[hit->triangle]];
-    if (lobe->model == IGI_LAMBERT) return;
-    uint32_t side = igi_side_at(p->patches, hit->triangle, hit->u, hit->v, hit->back);
-    add_surfaces(view->correction, (size_t)p->bands, side, frame, surfaces);
     uint32_t row = view->rows->row_of[side];
     if (row == IGI_NO_ROW) return;
     igi_vec point = igi_triangle_point(&p->scene->mesh, hit->triangle, hit->u, hit->v);
@@ -72,4 +68,39 @@ void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *proble
                             (float)p->lights[l].value[b];
         }
     }
+}
+
+void igi_lobe_view_parts(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
+                         const igi_hit *hit, int half, igi_lobe_parts *parts)
+{
+    const igi_correction *c = view->correction;
+    const igi_lobe *lobe = &view->lobes[problem->scene->mesh.regions[hit->triangle]];
+    size_t bands = (size_t)problem->bands, views = c->view_begin[2 * problem->patches->count];
+    *parts = (igi_lobe_parts){.lit = 0};
+    if (lobe->model == IGI_LAMBERT) return;
+    uint32_t side = igi_side_at(problem->patches, hit->triangle, hit->u, hit->v, hit->back);
+    size_t at = view_of_side(c, side, frame);
+    add_lamps(view, problem, lobe, side, frame, hit, parts->radiance);
+    if (at == SIZE_MAX) return;
+    const float *own = c->surfaces + ((size_t)half * views + at) * bands;
+    const float *other = c->surfaces + ((size_t)(1 - half) * views + at) * bands;
+    for (size_t b = 0; b < bands; b++) {
+        parts->radiance[b] += own[b];
+        parts->mirrored += other[b] / (float)bands;
+    }
+    parts->lit = c->lamps[(size_t)(1 - half) * views + at];
+}
+
+void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
+                            const igi_hit *hit, float *radiance)
+{
+    const igi_correction *c = view->correction;
+    const igi_lobe *lobe = &view->lobes[problem->scene->mesh.regions[hit->triangle]];
+    size_t bands = (size_t)problem->bands, views = c->view_begin[2 * problem->patches->count];
+    if (lobe->model == IGI_LAMBERT) return;
+    uint32_t side = igi_side_at(problem->patches, hit->triangle, hit->u, hit->v, hit->back);
+    size_t at = view_of_side(c, side, frame);
+    add_lamps(view, problem, lobe, side, frame, hit, radiance);
+    for (size_t b = 0; b < bands && at != SIZE_MAX; b++)
+        radiance[b] += 0.5f * (c->surfaces[at * bands + b] + c->surfaces[(views + at) * bands + b]);
 }

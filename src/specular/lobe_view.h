@@ -14,10 +14,20 @@ typedef struct igi_lobe_view {
     const igi_correction *correction;
 } igi_lobe_view;
 
-/* Adds the lobe's radiance at a point as a photograph shows it: to `lamps` by a few samples and the
- * share of the lamps that the side sees, to `surfaces` as it is on average over the side in that
- * photograph. They may be the same. */
+/* Adds the lobe's radiance at a point as a photograph shows it. */
 void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
-                            const igi_hit *hit, float *lamps, float *surfaces);
+                            const igi_hit *hit, float *radiance);
+
+/* The same in parts: from lamps by a few samples and the share of the lamps that the side sees, from
+ * surfaces as it is on average over the side in that photograph, by one half of the rays. How bright
+ * either is, the other half tells: a weight that knew the chance errors of what it weighs would favour
+ * what came out low. */
+typedef struct igi_lobe_parts {
+    float radiance[IGI_MAX_BANDS];
+    float lit, mirrored; /* brightness of the parts, mean over bands */
+} igi_lobe_parts;
+
+void igi_lobe_view_parts(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
+                         const igi_hit *hit, int half, igi_lobe_parts *parts);
 
 #endif

@@ -277,7 +277,12 @@ static igi_status hand_on(igi_context *ctx, yu99 *y, igi_correction *correction)
             float *radiance = &y->diffuse->radiance[side * bands + b];
             correction->seen[side * bands + b] = y->gloss[e * bands + b];
             for (size_t v = correction->view_begin[side]; v < correction->view_begin[side + 1]; v++)
-                correction->surfaces[v * bands + b] = y->mirrored[e * bands + b];
+                for (size_t half = 0; half < 2; half++) {
+                    size_t at = half * correction->view_begin[sides] + v;
+                    float mirrored = y->mirrored[e * bands + b];
+                    correction->surfaces[at * bands + b] = mirrored;
+                    correction->lamps[at] += (y->gloss[e * bands + b] - mirrored) / (float)bands;
+                }
             *radiance = fmaxf(0, *radiance - y->gloss[e * bands + b]);
         }
     }

@@ -62,8 +62,8 @@ static void find_views(side_views *s, const igi_correction *c)
     }
 }
 
-static uint64_t sample_view(const side_views *s, int samples, igi_rng *rng, view *v,
-                            float *surfaces_of_view)
+static uint64_t sample_view(const side_views *s, int samples, size_t number, igi_rng *rng, view *v,
+                            igi_correction *correction)
 {
     const igi_problem *p = s->problem;
     const igi_observations *o = p->observations;
@@ -83,9 +83,11 @@ static uint64_t sample_view(const side_views *s, int samples, igi_rng *rng, view
         rays += (uint64_t)igi_lobe_radiance(s->field, lobe, point, normal,
                                             igi_normalize(igi_sub(eye, point)), rng, lamps,
                                             surfaces);
+        size_t half = (size_t)(k % 2) * correction->view_begin[2 * p->patches->count] + number;
         for (size_t b = 0; b < s->bands; b++) {
             v->lobe[k % 2][b] += 2 * (double)(lamps[b] + surfaces[b]) / samples;
-            surfaces_of_view[b] += surfaces[b] / (float)samples;
+            correction->surfaces[half * s->bands + b] += 2 * surfaces[b] / (float)samples;
+            correction->lamps[half] += 2 * lamps[b] / (float)(samples * (int)s->bands);
         }
     }
     for (int h = 0; h < 2; h++)
@@ -173,8 +175,8 @@ uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, int
     for (size_t i = 0; i < s.count; i++) {
         double share = (double)(s.views[i].end - s.views[i].begin) / pixels;
         int own = 2 * (int)ceil(0.5 * share * samples);
-        rays += sample_view(&s, own < FEWEST_SAMPLES ? FEWEST_SAMPLES : own, rng, &s.views[i],
-                            correction->surfaces + (first + i) * bands);
+        rays += sample_view(&s, own < FEWEST_SAMPLES ? FEWEST_SAMPLES : own, first + i, rng,
+                            &s.views[i], correction);
     }
     average_views(&s, d);
     double error = combine_views(&s, d, result);
