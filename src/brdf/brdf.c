@@ -121,46 +121,6 @@ void igi_lobe_terms(igi_model model, float alpha, igi_vec in, igi_vec out, float
     }
 }
 
-/* Ward's half vector is shared: what is left is an exponential each. */
-static void ward_over(const float *alphas, size_t count, igi_vec in, igi_vec out, float *scale)
-{
-    igi_vec h = half_vector(in, out);
-    float tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z), root = 1 / sqrtf(in.z * out.z);
-    for (size_t i = 0; i < count; i++) {
-        float inverse = 1 / (clamp_alpha(alphas[i]) * clamp_alpha(alphas[i]));
-        float x = tan2 * inverse;
-        scale[i] = x < 30 ? expf(-x) * inverse * root / (4 * IGI_PIF) : 0; /* e^-30 is nothing */
-    }
-}
-
-static void ggx_over(const float *alphas, size_t count, igi_vec in, igi_vec out, float *scale,
-                     float *base)
-{
-    igi_vec h = half_vector(in, out);
-    float c = 1 - igi_dot(h, in), schlick = c * c * c * c * c;
-    for (size_t i = 0; i < count; i++) {
-        float core = ggx_core(clamp_alpha(alphas[i]), h, in, out);
-        scale[i] = core * (1 - schlick);
-        base[i] = core * schlick;
-    }
-}
-
-void igi_lobe_terms_over(igi_model model, const float *alphas, size_t count, igi_vec in,
-                         igi_vec out, float *scale, float *base)
-{
-    if (model == IGI_WARD && in.z > 0 && out.z > 0) {
-        ward_over(alphas, count, in, out, scale);
-        for (size_t i = 0; i < count; i++) base[i] = 0;
-        return;
-    }
-    if (model == IGI_GGX && in.z > 0 && out.z > 0) {
-        ggx_over(alphas, count, in, out, scale, base);
-        return;
-    }
-    for (size_t i = 0; i < count; i++)
-        igi_lobe_terms(model, alphas[i], in, out, &scale[i], &base[i]);
-}
-
 igi_vec igi_lobe_sample(igi_model model, float alpha, igi_vec out, float u, float v)
 {
     alpha = clamp_alpha(alpha);

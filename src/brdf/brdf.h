@@ -17,10 +17,6 @@
 void igi_lobe_terms(igi_model model, float alpha, igi_vec in, igi_vec out, float *scale,
                     float *base);
 
-/* The same for several roughnesses at once: scale[count], base[count]. */
-void igi_lobe_terms_over(igi_model model, const float *alphas, size_t count, igi_vec in,
-                         igi_vec out, float *scale, float *base);
-
 /* A direction `in` for a given `out` from a point (u,v) of the unit square; its density per solid
  * angle is igi_lobe_pdf. May come out below the surface: then it carries nothing. */
 igi_vec igi_lobe_sample(igi_model model, float alpha, igi_vec out, float u, float v);

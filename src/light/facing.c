@@ -126,7 +126,7 @@ float igi_light_sample_facing(const igi_lighting *lighting, size_t light, igi_ve
         return fmaxf(0.0f, open);
     }
     const emitter *emitters = lighting->emitters + s->first;
-    float sum = igi_emitters_weigh(emitters, s->count, point, normal, weights);
+    float sum = igi_emitters_weigh(lighting, s, point, normal, weights);
     if (!(sum > 0)) return 0;
     float target = u * sum, below = 0;
     size_t i = 0;

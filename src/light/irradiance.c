@@ -12,9 +12,6 @@
  */
 #include "light/lighting.h"
 
-#define FEW_EMITTERS 8 /* up to here each gets its closed form at any distance */
-/* A small triangle is its area at its centre: off by about .3 area/distance^2. */
-#define FAR_AREAS 1000
 #define SKY_RAYS 4 /* to an environment, for one that another light would get */
 
 /* The R2 sequence (Roberts 2018), shifted by the key (Cranley and Patterson 1976). */
@@ -66,8 +63,7 @@ static double edge_term(corner a, corner b, igi_vec n)
     return theta / sine * (cx * (double)n.x + cy * (double)n.y + cz * (double)n.z);
 }
 
-/* The emitter's front is toward the point. */
-static float polygon_irradiance(const emitter *e, igi_vec point, igi_vec normal)
+float igi_emitter_irradiance(const emitter *e, igi_vec point, igi_vec normal)
 {
     corner in[3] = {corner_of(e->corner, point, normal),
                     corner_of(igi_add(e->corner, e->edge1), point, normal),
@@ -92,23 +88,6 @@ static float kernel(igi_vec p, igi_vec light_normal, igi_vec point, igi_vec norm
     float at_point = igi_dot(d, normal), at_light = -igi_dot(d, light_normal);
     if (!(at_point > 0 && at_light > 0)) return 0;
     return at_point * at_light / (squared * squared);
-}
-
-float igi_emitters_weigh(const emitter *emitters, size_t count, igi_vec point, igi_vec normal,
-                         float *weights)
-{
-    float sum = 0;
-    for (size_t i = 0; i < count; i++) {
-        const emitter *e = &emitters[i];
-        igi_vec d = igi_sub(e->centre, point);
-        weights[i] = 0;
-        if (!(igi_dot(d, e->normal) < 0)) continue;
-        if (count > FEW_EMITTERS && igi_dot(d, d) > FAR_AREAS * e->area)
-            weights[i] = e->area * kernel(e->centre, e->normal, point, normal);
-        else weights[i] = polygon_irradiance(e, point, normal);
-        sum += weights[i];
-    }
-    return sum;
 }
 
 /* Sums over every second ray. */
@@ -192,7 +171,7 @@ static float area_irradiance(const igi_lighting *l, size_t light, const igi_trac
         return area_by_samples(l, light, tracer, point, normal, rays, key);
     float weights[MANY_EMITTERS];
     const emitter *emitters = l->emitters + s->first;
-    float sum = igi_emitters_weigh(emitters, s->count, point, normal, weights);
+    float sum = igi_emitters_weigh(l, s, point, normal, weights);
     if (!(sum > 0)) return 0;
     if (!tracer) return sum;
     return seen_irradiance(emitters, weights, sum, tracer, point, normal, rays, key);

@@ -4,8 +4,7 @@
  */
 #include "light/lighting.h"
 
-static igi_status count_emitters(igi_context *ctx, igi_lighting *l, const igi_light *lights,
-                                 size_t *total)
+static igi_status count_emitters(igi_context *ctx, igi_lighting *l, const igi_light *lights)
 {
     const igi_scene *scene = l->scene;
     for (size_t r = 0; r < scene->region_count; r++) l->light_of_region[r] = -1;
@@ -21,9 +20,8 @@ static igi_status count_emitters(igi_context *ctx, igi_lighting *l, const igi_li
                             scene->regions[region].name);
         l->light_of_region[region] = (int)i;
     }
-    *total = 0;
     for (size_t t = 0; t < scene->mesh.triangle_count; t++)
-        *total += l->light_of_region[scene->mesh.regions[t]] >= 0;
+        l->emitter_count += l->light_of_region[scene->mesh.regions[t]] >= 0;
     return IGI_OK;
 }
 
@@ -68,6 +66,7 @@ static void gather_emitters(igi_lighting *l)
         find_cuts(l, s);
         next += s->count;
     }
+    igi_emitters_arrange(l);
 }
 
 static igi_status prepare(igi_context *ctx, source *s, int bands)
@@ -98,7 +97,6 @@ igi_status igi_lighting_create(igi_context *ctx, const igi_scene *scene, const i
                                size_t light_count, igi_lighting **lighting)
 {
     igi_status status = IGI_OK;
-    size_t emitters = 0;
     IGI_TRY(IGI_ALLOC(ctx, 1, lighting));
     igi_lighting *l = *lighting;
     l->scene = scene;
@@ -106,10 +104,11 @@ igi_status igi_lighting_create(igi_context *ctx, const igi_scene *scene, const i
     l->count = light_count;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, light_count, &l->sources));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &l->light_of_region));
-    IGI_TRY_GOTO(count_emitters(ctx, l, lights, &emitters));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->emitters));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->areas));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, emitters, &l->cuts));
+    IGI_TRY_GOTO(count_emitters(ctx, l, lights));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, l->emitter_count, &l->emitters));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, l->emitter_count * IGI_PIECE_VALUES, &l->pieces));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, l->emitter_count, &l->areas));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, l->emitter_count, &l->cuts));
     for (size_t i = 0; i < light_count; i++) {
         l->sources[i].light = &lights[i];
         IGI_TRY_GOTO(prepare(ctx, &l->sources[i], l->bands));
@@ -132,6 +131,7 @@ void igi_lighting_destroy(igi_lighting *lighting)
     }
     igi_free(lighting->sources);
     igi_free(lighting->emitters);
+    igi_free(lighting->pieces);
     igi_free(lighting->areas);
     igi_free(lighting->cuts);
     igi_free(lighting->light_of_region);

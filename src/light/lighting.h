@@ -32,7 +32,9 @@ struct igi_lighting {
     int bands;
     size_t count;
     source *sources;
+    size_t emitter_count; /* there is room for; */
     emitter *emitters;
+    float *pieces;        /* [IGI_PIECE_VALUES][emitter_count] centres, normals and areas again */
     float *areas;         /* of the emitters of the same light up to and including each */
     uint32_t *cuts;       /* of its n emitters, the first whose areas exceed k/n of all, k < n */
     int *light_of_region; /* -1: dark */
@@ -41,10 +43,18 @@ struct igi_lighting {
 /* From here on the closed form of each triangle of a light costs more than it gives. */
 #define MANY_EMITTERS 1024
 
-/* Irradiance by each of the emitters, were nothing in between, for a radiance of 1; returns the
- * sum. */
-float igi_emitters_weigh(const emitter *emitters, size_t count, igi_vec point, igi_vec normal,
-                         float *weights);
+#define IGI_PIECE_VALUES 7
+/* Fills `pieces`. */
+void igi_emitters_arrange(igi_lighting *lighting);
+/* Solid angle of the front of each emitter from `first` on, were it far away. */
+void igi_emitters_angles(const igi_lighting *lighting, size_t first, size_t count, igi_vec point,
+                         float *angles);
+/* Irradiance by each of the light's emitters, were nothing in between, for a radiance of 1; returns
+ * the sum. */
+float igi_emitters_weigh(const igi_lighting *lighting, const source *s, igi_vec point,
+                         igi_vec normal, float *weights);
+/* The same of one whose front is toward the point, in closed form. */
+float igi_emitter_irradiance(const emitter *e, igi_vec point, igi_vec normal);
 
 /* Intensity of a spot toward `direction`, for 1 within its beam. */
 float igi_spot_factor(const source *s, igi_vec direction);

@@ -5,6 +5,8 @@
  */
 #include "light/lighting.h"
 
+#define ANGLES_AT_ONCE 128
+
 float igi_spot_factor(const source *s, igi_vec direction)
 {
     float c = igi_dot(direction, s->axis);
@@ -105,34 +107,48 @@ float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, i
     return hit->distance * hit->distance / fmaxf(cosine * s->area, 1e-30f);
 }
 
-/* Solid angle of an emitter's front, were it far away. */
-static float facing_angle(const emitter *e, igi_vec point)
+/* The solid angles of a light's emitters, so many at a time. */
+typedef struct angles {
+    const igi_lighting *l;
+    const source *s;
+    igi_vec point;
+    size_t begin, end;
+    float of[ANGLES_AT_ONCE];
+} angles;
+
+static float angle_at(angles *a, size_t i)
 {
-    igi_vec d = igi_sub(e->centre, point);
-    float squared = igi_dot(d, d), facing = -igi_dot(d, e->normal);
-    return facing > 0 ? e->area * facing / (squared * sqrtf(squared)) : 0;
+    if (i < a->begin || i >= a->end) {
+        a->begin = i / ANGLES_AT_ONCE * ANGLES_AT_ONCE;
+        a->end = a->begin + ANGLES_AT_ONCE < a->s->count ? a->begin + ANGLES_AT_ONCE : a->s->count;
+        igi_emitters_angles(a->l, a->s->first + a->begin, a->end - a->begin, a->point, a->of);
+    }
+    return a->of[i - a->begin];
 }
 
 static size_t area_sample_set(const igi_lighting *l, const source *s, igi_vec point, size_t count,
                               const float start[2], igi_light_sample *samples)
 {
     const emitter *emitters = l->emitters + s->first;
+    angles a = {.l = l, .s = s, .point = point};
     float whole = 0;
-    for (size_t i = 0; i < s->count; i++) whole += facing_angle(&emitters[i], point);
+    for (size_t i = 0; i < s->count; i++) whole += angle_at(&a, i);
     if (!(whole > 0)) return 0;
     size_t i = 0, made = 0;
-    float angle = facing_angle(&emitters[0], point), below = 0, u = start[0], v = start[1];
+    float angle = angle_at(&a, 0), below = 0, u = start[0], v = start[1];
     for (size_t k = 0; k < count; k++) {
         float target = ((float)k + start[0]) / (float)count * whole;
         while (below + angle <= target && i + 1 < s->count) {
             below += angle;
-            angle = facing_angle(&emitters[++i], point);
+            angle = angle_at(&a, ++i);
         }
         u += 0.7548776662f;
         v += 0.5698402910f;
-        float root = sqrtf(u - floorf(u)), side = v - floorf(v);
-        igi_vec p = igi_madd(igi_madd(emitters[i].corner, emitters[i].edge1, root * (1 - side)),
-                             emitters[i].edge2, root * side);
+        u -= u < 1 ? 0.0f : 1.0f;
+        v -= v < 1 ? 0.0f : 1.0f;
+        float root = sqrtf(u);
+        igi_vec p = igi_madd(igi_madd(emitters[i].corner, emitters[i].edge1, root * (1 - v)),
+                             emitters[i].edge2, root * v);
         igi_vec d = igi_sub(p, point);
         float squared = igi_dot(d, d), distance = sqrtf(squared);
         float facing = -igi_dot(d, emitters[i].normal);

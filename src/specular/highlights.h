@@ -16,7 +16,7 @@
 #ifndef IGI_SRC_SPECULAR_HIGHLIGHTS_H
 #define IGI_SRC_SPECULAR_HIGHLIGHTS_H
 
-#include "specular/incident.h"
+#include "specular/highlight_scores.h"
 
 typedef struct igi_direction_sample {
     igi_vec in, out; /* unit, in the frame of the surface */
@@ -40,20 +40,7 @@ typedef struct igi_highlights {
     float *incident;                  /* [count][samples][bands] */
 } igi_highlights;
 
-/* Pixels of each region to choose from, thinned evenly: observation[begin[region]...]. */
-typedef struct igi_candidates {
-    size_t *begin; /* [regions + 1] */
-    uint32_t *observation;
-    bool *curved; /* [regions] facets of many directions: a pixel may show several */
-} igi_candidates;
-
-IGI_MUST_USE igi_status igi_candidates_create(igi_context *ctx, const igi_problem *problem,
-                                              igi_candidates *candidates);
-void igi_candidates_clear(igi_candidates *candidates);
-
 typedef struct igi_highlight_options {
-    const igi_candidates *candidates;
-    size_t scored;     /* at most so many candidates are looked at */
     size_t pixels;     /* about how many to choose */
     int lobe_samples;  /* directions from lobes, a multiple of 4 */
     int lamp_samples;  /* directions to each lamp */
@@ -64,14 +51,12 @@ typedef struct igi_highlight_options {
     bool per_point;    /* the region is textured: albedo is eliminated point by point */
 } igi_highlight_options;
 
-/* Irradiance at an observation, per band. */
-typedef void (*igi_irradiance_fn)(const void *user, size_t observation, float *irradiance);
-
-/* rows: of the patches method, for the lamps' share of irradiance. */
-IGI_MUST_USE igi_status igi_highlights_create(igi_context *ctx, const igi_radiance_field *field,
-                                              const igi_rows *rows, size_t region,
+/* fewer: the same with fewer pixels, which are among the new ones; their light is known, and is not
+ * looked for again. NULL: there are none. */
+IGI_MUST_USE igi_status igi_highlights_create(igi_context *ctx, const igi_highlight_source *source,
+                                              const igi_highlight_scores *scores,
                                               const igi_highlight_options *options,
-                                              igi_irradiance_fn irradiance, const void *user,
+                                              const igi_highlights *fewer,
                                               igi_highlights **highlights);
 void igi_highlights_destroy(igi_highlights *highlights);
 

@@ -20,6 +20,11 @@
 #define SHARP_SHARE 0.01
 #define MODEL_GAIN 10
 #define MODEL_SHARE 0.02
+/* Candidates of which each step chooses its pixels, at most. */
+#define GLANCE_SCORED 4000
+#define SEARCH_SCORED 20000
+#define REFINE_SCORED 40000
+#define DOUBT_SCORED 8000
 #define FEW_PIXELS 1000  /* to tell models apart; */
 #define MOST_PIXELS 4000 /* more, until independent noise leaves no more of rho_s open */
 #define QUIET 0.006
@@ -70,16 +75,42 @@ static bool is_better(const igi_lobe_estimate *later, const igi_lobe_estimate *b
     return later->deviance < best->deviance - margin;
 }
 
-static igi_status choose_highlights(igi_context *ctx, const stage *s, size_t region,
-                                    igi_highlight_options options, igi_highlights **h)
+static igi_highlight_source source_of(const stage *s, const irradiance_source *irradiance)
 {
-    irradiance_source source = {s->field->problem, s->irradiance};
-    options.per_point = is_per_point(s->field->problem, region);
-    options.candidates = &s->candidates;
-    IGI_TRY(igi_highlights_create(ctx, s->field, s->diffuse->rows, region, &options, irradiance_at,
-                                  &source, h));
-    s->specular->evidence[region].lobe_rays += (*h)->rays;
+    return (igi_highlight_source){s->field, s->diffuse->rows, &s->candidates, irradiance_at,
+                                  irradiance};
+}
+
+static igi_status score_pixels(igi_context *ctx, const stage *s, size_t region, size_t scored,
+                               const float alphas[4], igi_highlight_scores *scores)
+{
+    irradiance_source irradiance = {s->field->problem, s->irradiance};
+    igi_highlight_source source = source_of(s, &irradiance);
+    return igi_highlight_scores_create(ctx, &source, region, scored, alphas, scores);
+}
+
+static igi_status choose_highlights(igi_context *ctx, const stage *s,
+                                    const igi_highlight_scores *scores,
+                                    igi_highlight_options options, const igi_highlights *fewer,
+                                    igi_highlights **h)
+{
+    irradiance_source irradiance = {s->field->problem, s->irradiance};
+    igi_highlight_source source = source_of(s, &irradiance);
+    options.per_point = is_per_point(s->field->problem, scores->region);
+    IGI_TRY(igi_highlights_create(ctx, &source, scores, &options, fewer, h));
+    s->specular->evidence[scores->region].lobe_rays += (*h)->rays;
     return IGI_OK;
+}
+
+/* Highlights by scores of their own. */
+static igi_status find_highlights(igi_context *ctx, const stage *s, size_t region, size_t scored,
+                                  const igi_highlight_options *options, igi_highlights **h)
+{
+    igi_highlight_scores scores;
+    IGI_TRY(score_pixels(ctx, s, region, scored, options->alphas, &scores));
+    igi_status status = choose_highlights(ctx, s, &scores, *options, NULL, h);
+    igi_highlight_scores_clear(&scores);
+    return status;
 }
 
 static void record(const stage *s, size_t region, const char *look, const igi_lobe_estimate *e)
@@ -101,10 +132,10 @@ static void record(const stage *s, size_t region, const char *look, const igi_lo
 
 /* A first look with few pixels: is there a lobe at all? */
 static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t region,
-                                   igi_highlight_options options, igi_model model)
+                                   const igi_highlight_options *options, igi_model model)
 {
     igi_highlights *h = NULL;
-    IGI_TRY(choose_highlights(ctx, s, region, options, &h));
+    IGI_TRY(find_highlights(ctx, s, region, GLANCE_SCORED, options, &h));
     igi_status status = igi_lobe_glance(ctx, h, model, &s->specular->estimates[region]);
     igi_lobe_estimate seen = s->specular->estimates[region];
     seen.at_bound = false; /* a glance does not look for that */
@@ -113,30 +144,25 @@ static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t regi
     return status;
 }
 
-/* The best of the given models on one choice of highlights. */
+/* The best of the given models on these highlights. */
 static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
-                             igi_highlight_options options, const igi_model *models, size_t count)
+                             const igi_highlights *h, const igi_model *models, size_t count)
 {
-    igi_highlights *h = NULL;
-    igi_status status = IGI_OK;
     igi_lobe_estimate *best = &s->specular->estimates[region], found, broad = {.at_bound = false};
     igi_model before = best->model;
     double near_alpha = best->alpha;
-    IGI_TRY_GOTO(choose_highlights(ctx, s, region, options, &h));
     for (size_t i = 0; i < count; i++) {
         double start = before == IGI_LAMBERT ? 0 : near_alpha;
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
         if (before == IGI_WARD && models[i] == IGI_PHONG) start = 2 * near_alpha;
-        IGI_TRY_GOTO(igi_lobe_fit(ctx, h, models[i], start, &found));
+        IGI_TRY(igi_lobe_fit(ctx, h, models[i], start, &found));
         record(s, region, before == IGI_LAMBERT ? "search" : "refine", &found);
         if (i == 0 || is_better(&found, best)) *best = found;
         if (found.at_bound && (!broad.at_bound || found.deviance < broad.deviance)) broad = found;
     }
     if (broad.at_bound && !best->at_bound && best->deviance > broad.deviance - margin_of(best))
         best->broader = broad.model;
-cleanup:
-    igi_highlights_destroy(h);
-    return status;
+    return IGI_OK;
 }
 
 /* Is the lobe asked for? It must gain far more likelihood than chance gives (BIC), more than errors
@@ -175,18 +201,34 @@ static void order_models(const igi_problem *p, igi_model models[3])
         if ((int)all[i] != asked) models[n++] = all[i];
 }
 
+/* A closer look everywhere: where is the lobe? */
+static igi_status search_region(igi_context *ctx, const stage *s, size_t region,
+                                igi_highlight_options options, const igi_model *models,
+                                size_t count)
+{
+    igi_highlights *h = NULL;
+    options.pixels = 1200;
+    options.lobe_samples = 32;
+    options.lamp_samples = 64;
+    options.sharp_samples = 16;
+    s->specular->estimates[region].model = IGI_LAMBERT; /* the hint is no start */
+    IGI_TRY(find_highlights(ctx, s, region, SEARCH_SCORED, &options, &h));
+    igi_status status = fit_region(ctx, s, region, h, models, count);
+    igi_highlights_destroy(h);
+    return status;
+}
+
 /* First a search everywhere with few pixels; what the cameras saw stands for what leaves. */
 static igi_status search_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    igi_highlight_options options = {.scored = 4000,
-                                     .pixels = 300,
-                                     .lobe_samples = 16,
-                                     .lamp_samples = 32,
-                                     .lamp_tests = 4,
-                                     .sharp_samples = 8,
-                                     .sharp = {0.006f, 0.02f},
-                                     .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
+    const igi_highlight_options options = {.pixels = 300,
+                                           .lobe_samples = 16,
+                                           .lamp_samples = 32,
+                                           .lamp_tests = 4,
+                                           .sharp_samples = 8,
+                                           .sharp = {0.006f, 0.02f},
+                                           .alphas = {0.03f, 0.08f, 0.18f, 0.4f}};
     igi_model models[3];
     order_models(p, models);
     /* Phong's lobe is like enough to Ward's to be found by it. */
@@ -195,17 +237,8 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
         if (p->observations->scarce[r]) continue; /* its neighbours' light would pass for a lobe */
         igi_lobe_estimate *e = &s->specular->estimates[r];
-        IGI_TRY(glance_at_region(ctx, s, r, options, models[0]));
-        if (is_hinted(e)) {
-            igi_highlight_options closer = options;
-            closer.scored = 20000;
-            closer.pixels = 1200;
-            closer.lobe_samples = 32;
-            closer.lamp_samples = 64;
-            closer.sharp_samples = 16;
-            e->model = IGI_LAMBERT; /* the hint is no start: look everywhere again */
-            IGI_TRY(fit_region(ctx, s, r, closer, models, allowed));
-        }
+        IGI_TRY(glance_at_region(ctx, s, r, &options, models[0]));
+        if (is_hinted(e)) IGI_TRY(search_region(ctx, s, r, options, models, allowed));
         take_lobe(&s->specular->lobes[r], e, SEARCH_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
@@ -220,33 +253,51 @@ static size_t enough_pixels(size_t tried, const igi_lobe_estimate *e)
     return (size_t)fmin(MOST_PIXELS, (double)tried * rest * rest);
 }
 
-/* Then, where one was found, with directions about it: first which model, then how much of it. */
+/* First which model, then how much of it, by the same pixels and more. */
+static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
+{
+    const igi_problem *p = s->field->problem;
+    igi_status status = IGI_OK;
+    igi_model models[3];
+    bool asked = p->options->model != IGI_ANY_MODEL;
+    float a = s->specular->lobes[r].alpha;
+    igi_highlight_options options = {.pixels = FEW_PIXELS,
+                                     .lobe_samples = 64,
+                                     .lamp_samples = 96,
+                                     .lamp_tests = 8,
+                                     .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
+                                     .sharp = {0.7f * a, 1.5f * a},
+                                     .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
+    igi_lobe_estimate *e = &s->specular->estimates[r], before = *e;
+    igi_highlight_scores scores;
+    igi_highlights *few = NULL, *more = NULL;
+    order_models(p, models);
+    IGI_TRY(score_pixels(ctx, s, r, REFINE_SCORED, options.alphas, &scores));
+    IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, NULL, &few));
+    IGI_TRY_GOTO(fit_region(ctx, s, r, few, models, 3));
+    const igi_model best = e->model, chosen = asked ? models[0] : best, broader = e->broader;
+    if (asked) *e = before;
+    options.pixels = asked ? MOST_PIXELS : enough_pixels(FEW_PIXELS, e);
+    if (options.pixels > FEW_PIXELS) {
+        IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, few, &more));
+        IGI_TRY_GOTO(fit_region(ctx, s, r, more, &chosen, 1));
+    }
+    e->rival = best != chosen ? best : IGI_LAMBERT;
+    e->broader = asked ? IGI_LAMBERT : broader;
+cleanup:
+    igi_highlights_destroy(few);
+    igi_highlights_destroy(more);
+    igi_highlight_scores_clear(&scores);
+    return status;
+}
+
+/* Then, where one was found, with directions about it. */
 static igi_status refine_lobes(igi_context *ctx, stage *s)
 {
     const igi_problem *p = s->field->problem;
-    igi_model models[3];
-    bool asked = p->options->model != IGI_ANY_MODEL;
-    order_models(p, models);
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
-        float a = s->specular->lobes[r].alpha;
-        igi_highlight_options options = {.scored = 40000,
-                                         .pixels = FEW_PIXELS,
-                                         .lobe_samples = 64,
-                                         .lamp_samples = 64,
-                                         .lamp_tests = 8,
-                                         .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
-                                         .sharp = {0.7f * a, 1.5f * a},
-                                         .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
-        igi_lobe_estimate *e = &s->specular->estimates[r], before = *e;
-        IGI_TRY(fit_region(ctx, s, r, options, models, 3));
-        const igi_model best = e->model, chosen = asked ? models[0] : best, broader = e->broader;
-        if (asked) *e = before;
-        options.pixels = asked ? MOST_PIXELS : enough_pixels(FEW_PIXELS, e);
-        options.lamp_samples = 96;
-        if (options.pixels > FEW_PIXELS) IGI_TRY(fit_region(ctx, s, r, options, &chosen, 1));
-        e->rival = best != chosen ? best : IGI_LAMBERT;
-        e->broader = asked ? IGI_LAMBERT : broader;
+        IGI_TRY(refine_region(ctx, s, r));
         take_lobe(&s->specular->lobes[r], &s->specular->estimates[r], KEEP_SHARE, p->bands);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }
@@ -257,8 +308,7 @@ static igi_status refine_lobes(igi_context *ctx, stage *s)
 static igi_status doubt_regions(igi_context *ctx, const stage *s)
 {
     const igi_problem *p = s->field->problem;
-    const igi_highlight_options options = {.scored = 8000,
-                                           .pixels = 600,
+    const igi_highlight_options options = {.pixels = 600,
                                            .lobe_samples = 16,
                                            .lamp_samples = 32,
                                            .lamp_tests = 4,
@@ -267,7 +317,7 @@ static igi_status doubt_regions(igi_context *ctx, const stage *s)
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
         if (s->specular->lobes[r].model != IGI_LAMBERT) continue;
         igi_highlights *h = NULL;
-        IGI_TRY(choose_highlights(ctx, s, r, options, &h));
+        IGI_TRY(find_highlights(ctx, s, r, DOUBT_SCORED, &options, &h));
         igi_status status = igi_lobe_doubt_create(ctx, h, &s->specular->doubts[r]);
         igi_highlights_destroy(h);
         IGI_TRY(status);

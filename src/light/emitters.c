@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What each triangle of an area light gives to a point, as if it were small: for lamps of a hundred
+ * triangles that is most of the work, so it runs over plain arrays, which compilers turn into vectors.
+ */
+#include "light/lighting.h"
+
+#define FEW_EMITTERS 8 /* up to here each gets its closed form at any distance */
+/* A small triangle is its area at its centre: off by about .3 area/distance^2. */
+#define FAR_AREAS 1000
+#define NEAR (-1.0f)
+#define LEAST 1e-18f /* so that nothing is divided by nothing */
+
+/* Of the emitters from `first` on. */
+typedef struct pieces {
+    const float *x, *y, *z;    /* centres */
+    const float *nx, *ny, *nz; /* normals */
+    const float *area;
+} pieces;
+
+static pieces pieces_from(const igi_lighting *l, size_t first)
+{
+    const float *p = l->pieces + first;
+    size_t n = l->emitter_count;
+    return (pieces){p, p + n, p + 2 * n, p + 3 * n, p + 4 * n, p + 5 * n, p + 6 * n};
+}
+
+void igi_emitters_arrange(igi_lighting *l)
+{
+    size_t n = l->emitter_count;
+    for (size_t i = 0; i < n; i++) {
+        const emitter *e = &l->emitters[i];
+        const float values[IGI_PIECE_VALUES] = {e->centre.x, e->centre.y, e->centre.z, e->normal.x,
+                                                e->normal.y, e->normal.z, e->area};
+        for (size_t k = 0; k < IGI_PIECE_VALUES; k++) l->pieces[k * n + i] = values[k];
+    }
+}
+
+void igi_emitters_angles(const igi_lighting *l, size_t first, size_t count, igi_vec point,
+                         float *restrict angles)
+{
+    pieces p = pieces_from(l, first);
+    for (size_t i = 0; i < count; i++) {
+        float x = p.x[i] - point.x, y = p.y[i] - point.y, z = p.z[i] - point.z;
+        float squared = x * x + y * y + z * z + LEAST;
+        float facing = -(x * p.nx[i] + y * p.ny[i] + z * p.nz[i]);
+        float front = facing > 0 ? facing : 0; /* before the division, or it hides in a branch */
+        angles[i] = p.area[i] * front / (squared * sqrtf(squared));
+    }
+}
+
+static void weigh_small(const igi_lighting *l, size_t first, size_t count, const igi_vec at[2],
+                        float *restrict weights)
+{
+    pieces p = pieces_from(l, first);
+    igi_vec point = at[0], normal = at[1];
+    for (size_t i = 0; i < count; i++) {
+        float x = p.x[i] - point.x, y = p.y[i] - point.y, z = p.z[i] - point.z;
+        float squared = x * x + y * y + z * z + LEAST;
+        float at_light = -(x * p.nx[i] + y * p.ny[i] + z * p.nz[i]);
+        float at_point = x * normal.x + y * normal.y + z * normal.z;
+        float front = at_light > 0 ? at_light : 0, above = at_point > 0 ? at_point : 0;
+        weights[i] = p.area[i] * (above * front / (squared * squared));
+    }
+}
+
+/* Marks those that face the point and are too large to be taken as small. */
+static void mark_near(const igi_lighting *l, size_t first, size_t count, igi_vec point,
+                      float *restrict weights)
+{
+    pieces p = pieces_from(l, first);
+    float reach = count > FEW_EMITTERS ? FAR_AREAS : (float)INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        float x = p.x[i] - point.x, y = p.y[i] - point.y, z = p.z[i] - point.z;
+        float squared = x * x + y * y + z * z;
+        float at_light = -(x * p.nx[i] + y * p.ny[i] + z * p.nz[i]);
+        float limit = reach * p.area[i], kept = weights[i];
+        weights[i] = (at_light > 0) & (squared <= limit) ? NEAR : kept;
+    }
+}
+
+float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, igi_vec normal,
+                         float *weights)
+{
+    const igi_vec at[2] = {point, normal};
+    float sum = 0;
+    weigh_small(l, s->first, s->count, at, weights);
+    mark_near(l, s->first, s->count, point, weights);
+    for (size_t i = 0; i < s->count; i++) {
+        if (weights[i] < 0)
+            weights[i] = igi_emitter_irradiance(&l->emitters[s->first + i], point, normal);
+        sum += weights[i];
+    }
+    return sum;
+}
