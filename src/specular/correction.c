@@ -2,12 +2,14 @@
 #include "specular/correction.h"
 
 #include "base/parallel.h"
+#include "specular/lobe_photons.h"
 #include "specular/side_views.h"
 
 #include <string.h>
 
 #define SIDES_A_TASK 64
-#define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about */
+#define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about; */
+#define FIRST_SHARE 2      /* fewer in the first round, which only refining uses */
 #define FEWEST_SAMPLES 12
 #define MOST_SAMPLES 512
 #define LEAST_RECEIVED 2 /* rays of a row that look for lobes: half of those it gathers with */
@@ -27,7 +29,7 @@ typedef struct job {
     uint64_t round;
 } job;
 
-/* Irradiance of a row by the lobes of what its rays meet. */
+/* Irradiance of a row by surfaces in the lobes of what its rays meet. */
 static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
 {
     const igi_problem *p = j->problem;
@@ -58,7 +60,7 @@ static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
         if (hit.back) met = igi_scale(met, -1);
         rays += (uint64_t)igi_lobe_radiance(j->field, lobe,
                                             igi_madd(point, direction, hit.distance), met,
-                                            igi_scale(direction, -1), rng, sum, sum);
+                                            igi_scale(direction, -1), rng, NULL, sum);
     }
     for (size_t b = 0; b < bands; b++)
         j->correction->received[row * bands + b] = sum[b] * IGI_PIF / (float)samples;
@@ -72,7 +74,7 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
     const region_level *r = &j->regions[region];
     if (igi_problem_seen_count(j->problem, side) == 0) return 0;
     if (j->field->lobes[region].model == IGI_LAMBERT) return 0;
-    int samples = (int)(SEEN_SAMPLES / r->sides);
+    int samples = (int)(SEEN_SAMPLES / (j->round == 0 ? FIRST_SHARE : 1) / r->sides);
     samples = samples < FEWEST_SAMPLES ? FEWEST_SAMPLES : samples;
     samples = samples > MOST_SAMPLES ? MOST_SAMPLES : samples;
     const float *before = j->diffuse->radiance + side * (size_t)j->problem->bands;
@@ -135,6 +137,8 @@ igi_status igi_correction_find(igi_context *ctx, const igi_radiance_field *field
     job j = {p, field, diffuse, correction, regions, round};
     size_t tasks = (diffuse->rows->count + SIDES_A_TASK - 1) / SIDES_A_TASK;
     igi_status status = igi_parallel_for(ctx, tasks, correct_rows, &j);
+    if (status == IGI_OK)
+        status = igi_lobe_photons_add(ctx, field, diffuse->rows, round, correction->received);
     igi_free(regions);
     return status;
 }

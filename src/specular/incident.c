@@ -38,19 +38,46 @@ static void add_lamp(const igi_problem *p, const igi_lobe *lobe, size_t light, i
                        (float)p->lights[light].value[b];
 }
 
-/* What the lobe's own sample meets: a lamp, or a surface as the cameras saw it. */
-static void add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, igi_vec point,
-                         igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces)
+/* A place and a direction in which light leaves it. */
+typedef struct exit_ray {
+    igi_vec point, normal, out; /* out in the frame of the normal */
+} exit_ray;
+
+static int lobe_radiance(const igi_radiance_field *f, const igi_lobe *lobe, const exit_ray *e,
+                         bool deep, igi_rng *rng, float *lamps, float *surfaces);
+
+/* What leaves `hit` back along `direction`: diffuse part and lobe, else as cameras saw it. */
+static int add_met(const igi_radiance_field *f, igi_vec origin, igi_vec direction,
+                   const igi_hit *hit, bool by_lobe, igi_rng *rng, float *radiance)
+{
+    const igi_problem *p = f->problem;
+    const float *base = side_radiance(p, by_lobe && f->lobes ? f->diffuse : f->total, hit);
+    for (int b = 0; b < p->bands; b++) radiance[b] += base[b];
+    if (!by_lobe || !f->lobes) return 0;
+    const igi_lobe *lobe = &f->lobes[p->scene->mesh.regions[hit->triangle]];
+    if (lobe->model == IGI_LAMBERT) return 0;
+    igi_vec normal = igi_tracer_normal(p->tracer, hit->triangle);
+    if (hit->back) normal = igi_scale(normal, -1);
+    exit_ray e = {igi_madd(origin, direction, hit->distance), normal,
+                  igi_to_local(igi_scale(direction, -1), normal)};
+    return lobe_radiance(f, lobe, &e, false, rng, radiance, radiance);
+}
+
+/* What the lobe's own sample meets: a lamp, or a surface. */
+static int add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, const exit_ray *e,
+                        bool deep, igi_rng *rng, float *lamps, float *surfaces)
 {
     const igi_problem *p = f->problem;
     float u = igi_rng_float(rng), v = igi_rng_float(rng);
-    igi_vec in = igi_lobe_sample(lobe->model, lobe->alpha, out, u, v);
-    float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, out);
-    if (in.z <= 0 || !(pdf > 0)) return;
-    igi_vec direction = igi_to_world(in, normal);
-    igi_hit hit = igi_trace(p->tracer, point, direction);
+    igi_vec in = igi_lobe_sample(lobe->model, lobe->alpha, e->out, u, v);
+    float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, e->out);
+    if (in.z <= 0 || !(pdf > 0)) return 0;
+    igi_vec direction = igi_to_world(in, e->normal);
+    igi_hit hit = igi_trace(p->tracer, e->point, direction);
     float met[IGI_MAX_BANDS] = {0}, weight = in.z / pdf, *sum = surfaces;
+    int rays = 1;
     if (hit.triangle == IGI_NO_HIT || is_lamp(p, hit.triangle)) {
+        if (!lamps) return rays;
         sum = lamps;
         igi_lighting_add_emitted(p->lighting, direction, &hit, met);
         int light = hit.triangle == IGI_NO_HIT
@@ -58,39 +85,35 @@ static void add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, igi_
                         : igi_lighting_of_triangle(p->lighting, hit.triangle);
         if (light >= 0)
             weight *= pdf /
-                      (pdf + igi_light_pdf(p->lighting, (size_t)light, point, direction, &hit));
+                      (pdf + igi_light_pdf(p->lighting, (size_t)light, e->point, direction, &hit));
     } else {
-        const float *total = side_radiance(p, f->total, &hit);
-        for (int b = 0; b < p->bands; b++) met[b] = total[b];
+        rays += add_met(f, e->point, direction, &hit, deep, rng, met);
     }
-    for (int b = 0; b < p->bands; b++) sum[b] += lobe_value(lobe, b, in, out) * weight * met[b];
+    for (int b = 0; b < p->bands; b++) sum[b] += lobe_value(lobe, b, in, e->out) * weight * met[b];
+    return rays;
+}
+
+/* deep: what the lobe mirrors has its own lobe toward it, not toward the cameras. */
+static int lobe_radiance(const igi_radiance_field *f, const igi_lobe *lobe, const exit_ray *e,
+                         bool deep, igi_rng *rng, float *lamps, float *surfaces)
+{
+    if (e->out.z <= 0) return 0;
+    size_t lights = lamps ? igi_lighting_count(f->problem->lighting) : 0;
+    for (size_t l = 0; l < lights; l++)
+        add_lamp(f->problem, lobe, l, e->point, e->normal, e->out, rng, lamps);
+    return (int)lights + add_lobe_ray(f, lobe, e, deep, rng, lamps, surfaces);
 }
 
 int igi_lobe_radiance(const igi_radiance_field *field, const igi_lobe *lobe, igi_vec point,
                       igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces)
 {
-    igi_vec local_out = igi_to_local(out, normal);
-    if (local_out.z <= 0) return 0;
-    size_t lights = igi_lighting_count(field->problem->lighting);
-    for (size_t l = 0; l < lights; l++)
-        add_lamp(field->problem, lobe, l, point, normal, local_out, rng, lamps);
-    add_lobe_ray(field, lobe, point, normal, local_out, rng, lamps, surfaces);
-    return (int)lights + 1;
+    exit_ray e = {point, normal, igi_to_local(out, normal)};
+    return lobe_radiance(field, lobe, &e, lamps != NULL, rng, lamps, surfaces);
 }
 
 int igi_radiance_toward(const igi_radiance_field *field, igi_vec origin, igi_vec direction,
                         const igi_hit *hit, igi_rng *rng, float *radiance)
 {
-    const igi_problem *p = field->problem;
-    if (hit->triangle == IGI_NO_HIT || is_lamp(p, hit->triangle)) return 0;
-    const float *base = side_radiance(p, field->lobes ? field->diffuse : field->total, hit);
-    for (int b = 0; b < p->bands; b++) radiance[b] += base[b];
-    if (!field->lobes) return 0;
-    const igi_lobe *lobe = &field->lobes[p->scene->mesh.regions[hit->triangle]];
-    if (lobe->model == IGI_LAMBERT) return 0;
-    igi_vec normal = igi_tracer_normal(p->tracer, hit->triangle);
-    if (hit->back) normal = igi_scale(normal, -1);
-    igi_vec point = igi_madd(origin, direction, hit->distance);
-    return igi_lobe_radiance(field, lobe, point, normal, igi_scale(direction, -1), rng, radiance,
-                             radiance);
+    if (hit->triangle == IGI_NO_HIT || is_lamp(field->problem, hit->triangle)) return 0;
+    return add_met(field, origin, direction, hit, true, rng, radiance);
 }

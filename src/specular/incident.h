@@ -4,7 +4,9 @@
  *
  * A glossy surface sends different light to a point than a camera saw from it. What leaves y toward
  * x is its diffuse part, the same in all directions, plus its lobe toward x, estimated by one
- * sample of each lamp and one of the lobe (the 1999 paper's Delta S, with one bounce).
+ * sample of each lamp and one of the lobe (the 1999 paper's Delta S, with one bounce). What a lobe
+ * mirrors is taken so too: lobes seen in lobes are .5 % of the albedo of a glossy block among glossy
+ * walls. Beyond that, what cameras saw on average stands for what leaves.
  */
 #ifndef IGI_SRC_SPECULAR_INCIDENT_H
 #define IGI_SRC_SPECULAR_INCIDENT_H
@@ -34,8 +36,8 @@ int igi_radiance_toward(const igi_radiance_field *field, igi_vec origin, igi_vec
                         const igi_hit *hit, igi_rng *rng, float *radiance);
 
 /* One estimate of the lobe's radiance at `point` toward the unit vector `out`, per band, added to
- * `lamps` and to `surfaces` by where the light came from (they may be the same). Returns the rays it
- * cost. */
+ * `lamps` and to `surfaces` by where the light came from (they may be the same; lamps NULL: only what
+ * surfaces send, as cameras saw them). Returns the rays it cost. */
 int igi_lobe_radiance(const igi_radiance_field *field, const igi_lobe *lobe, igi_vec point,
                       igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces);
 

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * A lamp mirrored in a narrow lobe is a small bright spot in the hemisphere of what it shines on: a
+ * ray from there seldom finds it, which left half a per cent of a block's albedo open. From the lamp
+ * by way of the lobe, paths carry about alike: from side y of area a_y, by one of N of them,
+ *     E_x += a_y / (N a_x)  W value cos_in  f(in, out) cos_out / p(out)
+ * where x is the side met along `out`, of area a_x, and W value the lamp's light by its sample
+ * (Jensen 1996, one bounce).
+ */
+#include "specular/lobe_photons.h"
+
+#include "base/parallel.h"
+#include "brdf/brdf.h"
+
+#define PHOTONS 400000  /* about; */
+#define FIRST_SHARE 4   /* fewer in the first round, which only refining uses */
+#define MOST_PHOTONS 64 /* of a side */
+#define ROWS_A_TASK 64
+
+typedef struct job {
+    const igi_radiance_field *field;
+    const igi_rows *rows;
+    int photons; /* of a side */
+    uint64_t round;
+    uint32_t *met; /* [rows][photons] the row that each arrives at, or IGI_NO_ROW */
+    float *flux;   /* [rows][photons][bands] */
+} job;
+
+static const igi_lobe *lobe_of(const job *j, size_t row)
+{
+    const igi_problem *p = j->field->problem;
+    return &j->field->lobes[igi_patch_region(p->patches, j->rows->side[row] >> 1)];
+}
+
+static uint32_t row_met(const job *j, const igi_hit *hit)
+{
+    const igi_problem *p = j->field->problem;
+    if (hit->triangle == IGI_NO_HIT) return IGI_NO_ROW;
+    if (p->scene->regions[p->scene->mesh.regions[hit->triangle]].emitter) return IGI_NO_ROW;
+    return j->rows->row_of[igi_side_at(p->patches, hit->triangle, hit->u, hit->v, hit->back)];
+}
+
+/* Returns its rays. */
+static uint64_t send(const job *j, size_t row, igi_rng *rng, uint32_t *met, float *flux)
+{
+    const igi_problem *p = j->field->problem;
+    const igi_lobe *lobe = lobe_of(j, row);
+    uint32_t side = j->rows->side[row], triangle;
+    size_t lights = igi_lighting_count(p->lighting),
+           light = (size_t)(igi_rng_float(rng) * (float)lights);
+    float u, v, scale, base;
+    igi_light_sample s;
+    *met = IGI_NO_ROW;
+    igi_patch_sample(p->patches, side >> 1, rng, &triangle, &u, &v);
+    igi_vec point = igi_triangle_point(&p->scene->mesh, triangle, u, v);
+    igi_vec normal = igi_tracer_normal(p->tracer, triangle);
+    if (side & 1) normal = igi_scale(normal, -1);
+    u = igi_rng_float(rng);
+    v = igi_rng_float(rng);
+    if (light >= lights || !igi_light_sample_toward(p->lighting, light, point, u, v, &s)) return 0;
+    igi_vec in = igi_to_local(s.direction, normal);
+    if (in.z <= 0 || igi_light_hidden(p->tracer, point, &s)) return 1;
+    u = igi_rng_float(rng);
+    igi_vec out = igi_lobe_sample(lobe->model, lobe->alpha, in, u, igi_rng_float(rng));
+    float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, out, in);
+    if (out.z <= 0 || !(pdf > 0)) return 1;
+    igi_hit hit = igi_trace(p->tracer, point, igi_to_world(out, normal));
+    *met = row_met(j, &hit);
+    igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
+    float weight = p->patches->area[side >> 1] * (float)lights / (float)j->photons * s.weight *
+                   in.z * out.z / pdf;
+    for (int b = 0; b < p->bands; b++)
+        flux[b] = weight * (lobe->specular[b] * scale + base) * (float)p->lights[light].value[b] *
+                  (s.tint ? s.tint[b] : 1);
+    return 2;
+}
+
+static igi_status send_rows(igi_context *ctx, void *user, size_t task, int worker)
+{
+    (void)worker;
+    const job *j = user;
+    uint64_t rays = 0;
+    size_t end = (task + 1) * ROWS_A_TASK, each = (size_t)j->photons;
+    if (end > j->rows->count) end = j->rows->count;
+    for (size_t row = task * ROWS_A_TASK; row < end; row++) {
+        igi_rng rng = igi_rng_make(igi_seed(ctx) + 0x9407 + j->round, row);
+        bool dark = lobe_of(j, row)->model == IGI_LAMBERT;
+        for (size_t k = row * each; k < (row + 1) * each; k++)
+            if (dark) j->met[k] = IGI_NO_ROW;
+            else
+                rays += send(j, row, &rng, &j->met[k],
+                             j->flux + k * (size_t)j->field->problem->bands);
+    }
+    igi_count_rays(ctx, rays);
+    return IGI_OK;
+}
+
+igi_status igi_lobe_photons_add(igi_context *ctx, const igi_radiance_field *field,
+                                const igi_rows *rows, uint64_t round, float *received)
+{
+    const igi_problem *p = field->problem;
+    igi_status status = IGI_OK;
+    job j = {.field = field, .rows = rows, .round = round};
+    size_t bands = (size_t)p->bands, glossy = 0;
+    for (size_t row = 0; row < rows->count; row++) glossy += lobe_of(&j, row)->model != 0;
+    if (glossy == 0 || igi_lighting_count(p->lighting) == 0) return IGI_OK;
+    j.photons = (int)(PHOTONS / (round == 0 ? FIRST_SHARE : 1) / glossy) + 1;
+    if (j.photons > MOST_PHOTONS) j.photons = MOST_PHOTONS;
+    size_t count = rows->count * (size_t)j.photons;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &j.met));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, count * bands, &j.flux));
+    IGI_TRY_GOTO(
+        igi_parallel_for(ctx, (rows->count + ROWS_A_TASK - 1) / ROWS_A_TASK, send_rows, &j));
+    for (size_t k = 0; k < count; k++) {
+        if (j.met[k] == IGI_NO_ROW) continue;
+        float area = p->patches->area[rows->side[j.met[k]] >> 1];
+        for (size_t b = 0; b < bands && area > 0; b++)
+            received[j.met[k] * bands + b] += j.flux[k * bands + b] / area;
+    }
+cleanup:
+    igi_free(j.met);
+    igi_free(j.flux);
+    return status;
+}
