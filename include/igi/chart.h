@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Charts: speed against accuracy, and stability where the method's assumptions fail.
+ * Charts: speed against accuracy, errors against parameters, stability where assumptions fail.
  */
 #ifndef IGI_CHART_H
 #define IGI_CHART_H
@@ -82,6 +82,12 @@ IGI_API void igi_stability_destroy(igi_stability *stability);
 IGI_API IGI_MUST_USE igi_status igi_chart_speed(igi_context *context,
                                                 const igi_chart_options *options,
                                                 const char *folder);
+
+/* The second line of these alone: each scene is recovered without lobes, as evidence asks, and with a
+ * map on every region; each result is then made simpler, its maps coarser. */
+IGI_API IGI_MUST_USE igi_status igi_chart_parsimony(igi_context *context,
+                                                    const igi_chart_options *options,
+                                                    const char *folder);
 
 #ifdef __cplusplus
 }

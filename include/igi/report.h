@@ -21,6 +21,8 @@ typedef struct igi_region_error {
     double texture_median, texture_mean, texture_seen; /* over texels that photographs determine */
     double specular, alpha;
     igi_model got, want;
+    /* The numbers of the lobe: recovered, their standard deviation, true; NaN where there is none. */
+    double specular_values[3], alpha_values[3];
     double sigmas; /* largest over bands of |albedo_z| */
     /* got - want in units of the stated standard deviation; NaN where none is stated. */
     double albedo_z[IGI_MAX_BANDS], specular_z, alpha_z;

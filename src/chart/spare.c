@@ -111,8 +111,9 @@ static igi_status add_row(igi_context *ctx, spare_row row, const igi_materials *
     return IGI_OK;
 }
 
-igi_status chart_spare(igi_context *ctx, const char *scene, const char *model,
-                       igi_materials *materials, const igi_materials *truth, spare_rows *rows)
+/* The simpler forms of a result. Its maps get smaller. */
+static igi_status add_forms(igi_context *ctx, const char *scene, const char *model,
+                            igi_materials *materials, const igi_materials *truth, spare_rows *rows)
 {
     int largest = largest_map(materials), size = largest;
     do {
@@ -128,4 +129,61 @@ igi_status chart_spare(igi_context *ctx, const char *scene, const char *model,
         size /= 2;
     } while (size >= 1);
     return IGI_OK;
+}
+
+/* As if scene.json said of every region that it has a texture. */
+static void ask_for_maps(igi_scene *scene, igi_tristate *before)
+{
+    for (size_t r = 0; r < scene->region_count; r++) {
+        before[r] = scene->regions[r].textured;
+        scene->regions[r].textured = IGI_YES;
+    }
+}
+
+static igi_status add_result(igi_context *ctx, const speed_subject *s, const char *name, int model,
+                             spare_rows *rows)
+{
+    chart_case c;
+    igi_recover_options options;
+    igi_recover_options_init(&options);
+    options.model = model;
+    IGI_TRY(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
+    igi_status status = IGI_OK;
+    if (c.materials) status = add_forms(ctx, s->scene->name, name, c.materials, s->truth, rows);
+    chart_case_clear(&c);
+    return status;
+}
+
+igi_status chart_spare_scene(igi_context *ctx, const speed_subject *s, spare_rows *rows)
+{
+    igi_tristate *before;
+    IGI_TRY(add_result(ctx, s, "lambert", IGI_LAMBERT, rows));
+    IGI_TRY(add_result(ctx, s, "auto", IGI_ANY_MODEL, rows));
+    IGI_TRY(IGI_ALLOC(ctx, s->scene->region_count, &before));
+    ask_for_maps(s->scene, before);
+    igi_status status = add_result(ctx, s, "maps", IGI_ANY_MODEL, rows);
+    for (size_t r = 0; r < s->scene->region_count; r++) s->scene->regions[r].textured = before[r];
+    igi_free(before);
+    return status;
+}
+
+igi_status igi_chart_parsimony(igi_context *ctx, const igi_chart_options *options,
+                               const char *folder)
+{
+    igi_status status = IGI_OK;
+    spare_rows rows = {.count = 0};
+    speed_subjects subjects = {.count = 0};
+    igi_stage_begin(ctx, "rooms");
+    IGI_TRY_GOTO(speed_subjects_make(ctx, options, folder, &subjects));
+    igi_stage_begin(ctx, "parsimony");
+    for (size_t i = 0; i < subjects.count; i++) {
+        IGI_TRY_GOTO(chart_spare_scene(ctx, &subjects.all[i], &rows));
+        IGI_TRY_GOTO(igi_progress(ctx, (double)(i + 1) / (double)subjects.count));
+    }
+    IGI_TRY_GOTO(chart_spare_save(ctx, &rows, folder));
+cleanup:
+    igi_stage_begin(ctx, NULL);
+    speed_subjects_clear(&subjects);
+    igi_free(rows.rows);
+    return status;
 }

@@ -22,8 +22,8 @@ static void put_panel(FILE *script, const char *scene, bool leftmost)
     static const struct {
         const char *name;
         int colour;
-    } models[] = {{"lambert", 2}, {"auto", 1}};
-    for (size_t m = 0; m < 2; m++)
+    } models[] = {{"lambert", 2}, {"maps", 4}, {"auto", 1}};
+    for (size_t m = 0; m < 3; m++)
         fprintf(script,
                 "'parsimony.csv' using (strcol('scene') eq scene && strcol('model') eq '%s' ? "
                 "column('parameters') : NaN):(100*column('error')) with linespoints lt %d, \\\n"
@@ -50,12 +50,19 @@ static void label_choice(FILE *script, const spare_row *r, size_t most)
 
 static void put_labels(FILE *script, const spare_rows *rows, const char *scene, size_t most)
 {
-    const spare_row *lambert = NULL;
+    const spare_row *lambert = NULL, *maps = NULL;
     fputs("unset label\n", script);
     for (size_t i = 0; i < rows->count; i++) {
         const spare_row *r = &rows->rows[i];
         if (strcmp(r->scene, scene) != 0) continue;
         if (!lambert && strcmp(r->model, "lambert") == 0) lambert = r;
+        if (!maps && strcmp(r->model, "maps") == 0) {
+            maps = r;
+            fprintf(script,
+                    "set label \"a map for every region\" at %zu,%.6g right "
+                    "offset 2,2 textcolor lt 4\n",
+                    r->parameters, 100 * r->error);
+        }
         if (!r->chosen) continue;
         label_choice(script, r, most);
         if (lambert && lambert->error > 1.3 * r->error)
@@ -85,7 +92,7 @@ igi_status chart_spare_draw(igi_context *ctx, const spare_rows *rows, const char
             "unset key\nset logscale xy\nset format y '%%g'\nset format x '10^{%%L}'\n"
             "set xlabel 'parameters of the result'\nset xrange [5:%zu]\n"
             "set yrange [%.6g:%.6g]\n",
-            scenes, .16 / (double)scenes, most * 4, low * .6, high * 1.6);
+            scenes, .16 / (double)scenes, most * 4, low * .25, high * 1.6);
     for (size_t i = 0; i < rows->count; i++) {
         const char *scene = rows->rows[i].scene;
         if (i > 0 && strcmp(scene, rows->rows[i - 1].scene) == 0) continue;

@@ -5,8 +5,6 @@
  */
 #include "chart/speed.h"
 
-#include <igi/output.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -142,28 +140,6 @@ static void mark_front(speed_row *rows, size_t count)
     }
 }
 
-/* How few parameters would have done: with lobes where evidence asks for them, and without. */
-static igi_status spare(igi_context *ctx, const speed_subject *s, spare_rows *rows)
-{
-    static const struct {
-        const char *name;
-        int model;
-    } models[] = {{"lambert", IGI_LAMBERT}, {"auto", IGI_ANY_MODEL}};
-    for (size_t m = 0; m < 2; m++) {
-        chart_case c;
-        igi_recover_options options;
-        igi_recover_options_init(&options);
-        options.model = models[m].model;
-        IGI_TRY(chart_case_run(ctx, s->scene, s->truth, &options, igi_seed(ctx), &c));
-        igi_status status = IGI_OK;
-        if (c.materials)
-            status = chart_spare(ctx, s->scene->name, models[m].name, c.materials, s->truth, rows);
-        chart_case_clear(&c);
-        IGI_TRY(status);
-    }
-    return IGI_OK;
-}
-
 typedef struct range {
     double low, high;
 } range;
@@ -199,50 +175,30 @@ static igi_status run_scene(igi_context *ctx, const speed_subject *s, bool small
         IGI_TRY(igi_progress(ctx, part.low + done * (part.high - part.low)));
     }
     mark_front(t->speed.rows + first, t->speed.count - first);
-    return spare(ctx, s, &t->spare);
-}
-
-static igi_status run_all(igi_context *ctx, const igi_chart_options *options, const char *rooms,
-                          speed_subject *subjects, size_t count, tables *t)
-{
-    igi_stage_begin(ctx, "rooms"); /* mistakes are found before the long work */
-    if (options->peer) IGI_TRY(chart_peers_load(ctx, options->peer, &t->peers));
-    for (size_t i = 0; i < count; i++)
-        IGI_TRY(speed_subject_make(ctx, options, i, rooms, &subjects[i]));
-    igi_stage_begin(ctx, "speed");
-    for (size_t i = 0; i < count; i++) {
-        range part = {(double)i / (double)count, (double)(i + 1) / (double)count};
-        IGI_TRY(run_scene(ctx, &subjects[i], options->small, part, t));
-    }
-    return IGI_OK;
+    return chart_spare_scene(ctx, s, &t->spare);
 }
 
 igi_status igi_chart_speed(igi_context *ctx, const igi_chart_options *options, const char *folder)
 {
     igi_status status = IGI_OK;
     tables t = {.speed.count = 0};
-    speed_subject *subjects = NULL;
-    igi_output *scratch = NULL;
-    char *path = NULL;
-    size_t count = options->scene_count ? options->scene_count : SPEED_STANDARD_SCENES;
-    const char *rooms = options->cache;
-    if (!rooms) { /* never committed: what is rendered there goes when it is destroyed */
-        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/scratch", folder));
-        IGI_TRY_GOTO(igi_output_begin(ctx, path, false, NULL, &scratch));
-        rooms = igi_output_folder(scratch);
+    speed_subjects subjects = {.count = 0};
+    igi_stage_begin(ctx, "rooms"); /* mistakes are found before the long work */
+    if (options->peer) IGI_TRY_GOTO(chart_peers_load(ctx, options->peer, &t.peers));
+    IGI_TRY_GOTO(speed_subjects_make(ctx, options, folder, &subjects));
+    igi_stage_begin(ctx, "speed");
+    for (size_t i = 0; i < subjects.count; i++) {
+        double count = (double)subjects.count;
+        range part = {(double)i / count, (double)(i + 1) / count};
+        IGI_TRY_GOTO(run_scene(ctx, &subjects.all[i], options->small, part, &t));
     }
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &subjects));
-    IGI_TRY_GOTO(run_all(ctx, options, rooms, subjects, count, &t));
     IGI_TRY_GOTO(chart_speed_save(ctx, &t.speed, &t.peers, folder));
     IGI_TRY_GOTO(chart_spare_save(ctx, &t.spare, folder));
 cleanup:
     igi_stage_begin(ctx, NULL);
-    for (size_t i = 0; subjects && i < count; i++) speed_subject_clear(&subjects[i]);
-    igi_free(subjects);
+    speed_subjects_clear(&subjects);
     igi_free(t.speed.rows);
     igi_free(t.spare.rows);
     chart_peers_clear(&t.peers);
-    igi_output_destroy(scratch);
-    igi_free(path);
     return status;
 }

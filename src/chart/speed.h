@@ -7,6 +7,8 @@
 
 #include "chart/case.h"
 
+#include <igi/output.h>
+
 /* One method with one budget on one scene. Errors as igi_validation's; NaN: does not apply. */
 typedef struct speed_row {
     const char *scene; /* the name of its scene; the scene's */
@@ -32,7 +34,8 @@ typedef struct speed_rows {
 
 /* A result made simpler: its parameters, and the error of albedo texel by texel. */
 typedef struct spare_row {
-    const char *scene, *model; /* "lambert": no lobes; "auto": where evidence asks for them */
+    const char *scene, *model; /* "lambert": no lobes; "auto": where evidence asks for them;
+                                * "maps": and a map on every region */
     int map_size;              /* largest side of a map; 0: one albedo a region */
     bool chosen;               /* what igi does by itself */
     size_t parameters, lobes;
@@ -72,11 +75,17 @@ typedef struct speed_subject {
     size_t light_count;
 } speed_subject;
 
-/* Loads the n-th scene of the options, or the n-th standard one where they name none; a spec is
- * rendered into the folder `rooms` unless it is there. */
-IGI_MUST_USE igi_status speed_subject_make(igi_context *ctx, const igi_chart_options *options,
-                                           size_t n, const char *rooms, speed_subject *subject);
-void speed_subject_clear(speed_subject *subject);
+typedef struct speed_subjects {
+    size_t count;
+    speed_subject *all;
+    igi_output *scratch; /* where specs were rendered, unless there is a cache */
+} speed_subjects;
+
+/* Loads the scenes of the options, or the standard ones where they name none; specs are rendered
+ * first, unless the options' cache has them. */
+IGI_MUST_USE igi_status speed_subjects_make(igi_context *ctx, const igi_chart_options *options,
+                                            const char *folder, speed_subjects *subjects);
+void speed_subjects_clear(speed_subjects *subjects);
 
 /* CPU seconds of a fixed piece of work, a million rays and their random numbers: what times are
  * divided by to compare machines and days. */
@@ -84,10 +93,10 @@ IGI_MUST_USE igi_status chart_reference_seconds(igi_context *ctx, double *second
 
 size_t chart_parameters(const igi_materials *materials);
 
-/* Adds the simpler forms of a result. `materials` is changed: its maps get smaller. */
-IGI_MUST_USE igi_status chart_spare(igi_context *ctx, const char *scene, const char *model,
-                                    igi_materials *materials, const igi_materials *truth,
-                                    spare_rows *rows);
+/* Recovers the scene with no lobes, as evidence asks, and with a map on every region, and adds the
+ * simpler forms of each result. */
+IGI_MUST_USE igi_status chart_spare_scene(igi_context *ctx, const speed_subject *subject,
+                                          spare_rows *rows);
 
 /* Reads what scripts/peers write: CSV with the columns peer, run, scene, cpu_s, albedo_mean,
  * specular, alpha, texels; of several runs of a peer on a scene the best of each time counts. */

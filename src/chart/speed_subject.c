@@ -5,6 +5,8 @@
 #include "chart/speed.h"
 #include "chart/sweep.h"
 
+#include <igi/output.h>
+
 #include <math.h>
 
 #define PATCH_SHARE 0.0105 /* of the scene's diagonal: what recovery takes by itself */
@@ -12,7 +14,7 @@
 static const char *const standard_specs[SPEED_STANDARD_SCENES] = {"demo-room.json",
                                                                   "sweeps/rooms/room.json"};
 
-void speed_subject_clear(speed_subject *s)
+static void clear_subject(speed_subject *s)
 {
     igi_lights_destroy(s->lights, s->light_count);
     igi_materials_destroy(s->truth);
@@ -50,12 +52,14 @@ static igi_status load_subject(igi_context *ctx, const char *folder, bool relit,
     }
 cleanup:
     igi_free(path);
-    if (status != IGI_OK) speed_subject_clear(s);
+    if (status != IGI_OK) clear_subject(s);
     return status;
 }
 
-igi_status speed_subject_make(igi_context *ctx, const igi_chart_options *options, size_t n,
-                              const char *rooms, speed_subject *s)
+/* The n-th scene of the options, or the n-th standard one where they name none; a spec is rendered
+ * into the folder `rooms` unless it is there. */
+static igi_status make_subject(igi_context *ctx, const igi_chart_options *options, size_t n,
+                               const char *rooms, speed_subject *s)
 {
     igi_status status = IGI_OK;
     char *base = NULL;
@@ -71,4 +75,32 @@ cleanup:
     chart_room_clear(&room);
     igi_free(base);
     return status;
+}
+
+igi_status speed_subjects_make(igi_context *ctx, const igi_chart_options *options,
+                               const char *folder, speed_subjects *s)
+{
+    igi_status status = IGI_OK;
+    char *path = NULL;
+    size_t count = options->scene_count ? options->scene_count : SPEED_STANDARD_SCENES;
+    const char *rooms = options->cache;
+    *s = (speed_subjects){0};
+    if (!rooms) { /* never committed: what is rendered there goes when it is destroyed */
+        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/scratch", folder));
+        IGI_TRY_GOTO(igi_output_begin(ctx, path, false, NULL, &s->scratch));
+        rooms = igi_output_folder(s->scratch);
+    }
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &s->all));
+    for (; s->count < count; s->count++)
+        IGI_TRY_GOTO(make_subject(ctx, options, s->count, rooms, &s->all[s->count]));
+cleanup:
+    igi_free(path);
+    return status;
+}
+
+void speed_subjects_clear(speed_subjects *s)
+{
+    for (size_t i = 0; i < s->count; i++) clear_subject(&s->all[i]);
+    igi_free(s->all);
+    igi_output_destroy(s->scratch);
 }

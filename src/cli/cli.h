@@ -58,7 +58,8 @@ typedef struct cli_command {
 /* Progress on stderr: a bar on a terminal, a line a stage elsewhere, nothing when quiet. */
 typedef struct cli_progress {
     bool quiet, bar, drawn;
-    char stage[64];
+    char stage[64],
+        told[512]; /* the present one; those that had their line, a newline after each */
     double began_s;
 } cli_progress;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * igi chart: speed against accuracy, and stability where assumptions fail.
+ * igi chart: speed against accuracy, errors against parameters, stability where assumptions fail.
  */
 #include "cli.h"
 
@@ -110,17 +110,23 @@ static igi_status save_manifest(cli_session *s, const char *folder)
 }
 
 /* Draws into a new folder, which appears when it is whole. */
-static igi_status draw(cli_session *s, const igi_chart_options *options, bool speed)
+static igi_status draw(cli_session *s, const igi_chart_options *options, const char *kind)
 {
     igi_output *output = NULL;
     igi_status status = igi_output_begin(s->context, s->values.output, s->values.force, NULL,
                                          &output);
     const char *folder = status == IGI_OK ? igi_output_folder(output) : NULL;
-    if (status == IGI_OK && speed) status = igi_chart_speed(s->context, options, folder);
+    if (status == IGI_OK && strcmp(kind, "speed") == 0)
+        status = igi_chart_speed(s->context, options, folder);
+    else if (status == IGI_OK && strcmp(kind, "parsimony") == 0)
+        status = igi_chart_parsimony(s->context, options, folder);
     else if (status == IGI_OK) status = run_stability(s, options, folder);
     if (status == IGI_OK) status = save_manifest(s, folder);
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     igi_output_destroy(output);
+    cli_progress_clear(&s->progress);
+    if (status == IGI_OK && !s->values.quiet && !s->values.json)
+        printf("%s: written; look at %s/%s.png\n", s->values.output, s->values.output, kind);
     return status;
 }
 
@@ -135,9 +141,13 @@ static igi_status run(cli_session *s)
 {
     const cli_values *v = &s->values;
     const char *scenes[MAX_NAMES], *sweeps[MAX_NAMES], *kind = s->arguments[0];
-    bool speed = strcmp(kind, "speed") == 0;
-    if (!speed && strcmp(kind, "stability") != 0) {
-        fprintf(stderr, "igi: chart '%s': there are speed and stability\n", kind);
+    static const char *const kinds[] = {"speed", "parsimony", "stability", NULL};
+    bool known = false;
+    for (int k = 0; kinds[k]; k++) known |= strcmp(kind, kinds[k]) == 0;
+    if (!known) {
+        const char *nearest = cli_nearest(kind, kinds);
+        fprintf(stderr, "igi: chart '%s': there are speed, parsimony and stability%s%s%s\n", kind,
+                nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
         return IGI_E_USAGE;
     }
     if (!v->output) {
@@ -168,7 +178,7 @@ static igi_status run(cli_session *s)
     options.small = v->small;
     options.peer = v->peer;
     options.relit = v->relit;
-    igi_status status = draw(s, &options, speed);
+    igi_status status = draw(s, &options, kind);
     free(scene_list);
     free(sweep_list);
     return status;
@@ -179,11 +189,13 @@ const cli_command cli_chart = {
     .bit = CLI_CHART,
     .arguments = 1,
     .more = true,
-    .usage = "chart speed|stability -o DIR",
-    .summary = "speed against accuracy; errors where assumptions fail",
+    .usage = "chart speed|parsimony|stability -o DIR",
+    .summary = "errors against time, parameters, broken assumptions",
     .example = "igi chart stability -o charts --sweeps misregistered-cameras --seeds 2",
     .details =
         "speed: every method with a ladder of budgets on each scene, against truth.\n"
+        "parsimony: error against the number of parameters: without lobes, as igi chooses,\n"
+        "and with a map on every region; each with ever coarser maps.\n"
         "stability: one assumption of the method is broken, more and more (a file of\n"
         "datasets-synthetic/sweeps each); how wrong are the results, do the stated intervals\n"
         "hold, and does igi say so? DIR receives CSV, SVG and PNG.",

@@ -14,6 +14,16 @@ static void print_field(const char *key, double x, bool *first)
     *first = false;
 }
 
+static void print_numbers(const char *key, const double *values, int count)
+{
+    printf(", \"%s\": [", key);
+    for (int i = 0; i < count; i++) {
+        fputs(i ? ", " : "", stdout);
+        cli_print_json_number(values[i]);
+    }
+    putchar(']');
+}
+
 static void print_region_json(const igi_region_error *r, int bands)
 {
     if (r->missing) {
@@ -32,12 +42,9 @@ static void print_region_json(const igi_region_error *r, int bands)
     print_field("sigmas", r->sigmas, &first);
     print_field("specular_z", r->specular_z, &first);
     print_field("alpha_z", r->alpha_z, &first);
-    fputs(", \"albedo_z\": [", stdout);
-    for (int b = 0; b < bands; b++) {
-        fputs(b ? ", " : "", stdout);
-        cli_print_json_number(r->albedo_z[b]);
-    }
-    putchar(']');
+    print_numbers("albedo_z", r->albedo_z, bands);
+    print_numbers("specular_values", r->specular_values, 3);
+    print_numbers("alpha_values", r->alpha_values, 3);
     putchar('}');
 }
 
@@ -68,6 +75,36 @@ static void print_json(const igi_validation *v)
         comma = ", ";
     }
     puts("}}");
+}
+
+/* "0.0605 +- 0.0050 (0.0600)": recovered, one sigma, true. */
+static void print_values(const double values[3])
+{
+    if (isfinite(values[0])) printf("   %6.4f +- %6.4f", values[0], values[1]);
+    else printf("   %16s", "none");
+    if (isfinite(values[2])) printf(" (%6.4f)", values[2]);
+    else printf(" %8s", "(none)");
+}
+
+/* Of every region that has a lobe, or should have one. */
+static void print_lobes(const igi_validation *v, int width)
+{
+    bool begun = false;
+    for (size_t i = 0; i < v->region_count; i++) {
+        const igi_region_error *r = &v->regions[i];
+        if (!r->judged || r->missing) continue;
+        if (!isfinite(r->specular_values[0]) && !isfinite(r->specular_values[2])) continue;
+        if (!begun) {
+            puts("");
+            cli_print_padded("lobes", width);
+            printf("   %-25s   %s\n", "specular +- 1 sigma (true)", "alpha +- 1 sigma (true)");
+        }
+        begun = true;
+        cli_print_padded(r->region, width);
+        print_values(r->specular_values);
+        print_values(r->alpha_values);
+        puts("");
+    }
 }
 
 static void print_row(const igi_region_error *r, int width)
@@ -111,6 +148,22 @@ static void print_table(const igi_validation *v)
     cli_print_padded("largest", width);
     cli_print_percent(v->albedo_max, 11);
     puts("");
+    print_lobes(v, width);
+}
+
+/* A result of another scene is compared as well, and says nothing. */
+static void warn_of_missing(const cli_session *s, const igi_validation *v)
+{
+    size_t judged = 0, missing = 0;
+    for (size_t i = 0; i < v->region_count; i++) {
+        judged += v->regions[i].judged;
+        missing += v->regions[i].missing;
+    }
+    if (missing && !s->values.quiet)
+        fprintf(
+            stderr,
+            "igi: warning: %s: lacks %zu of the %zu regions of %s; is that its scene's truth?\n",
+            s->arguments[0], missing, judged, s->values.truth);
 }
 
 static igi_status run(cli_session *s)
@@ -124,6 +177,7 @@ static igi_status run(cli_session *s)
     igi_status status = igi_validate(s->context, s->arguments[0], s->values.truth, &validation);
     cli_progress_clear(&s->progress);
     if (status != IGI_OK) return status;
+    warn_of_missing(s, validation);
     if (s->values.json) print_json(validation);
     else if (!s->values.quiet) print_table(validation);
     double tolerance = s->values.tolerance;
@@ -147,6 +201,6 @@ const cli_command cli_validate = {
         "over the texels that the photographs determine. sigmas: the largest error of a band\n"
         "in units of its stated standard deviation; --json has them signed, band by band, and\n"
         "those of specular and alpha. Emitters, and regions of which less than a fifth is\n"
-        "seen, are not judged.",
+        "seen, are not judged. Lobes stand below with what they should be.",
     .run = run,
 };

@@ -16,12 +16,34 @@ void cli_print_overview(void)
     puts("\nigi help COMMAND explains a command; man igi has it all.");
 }
 
+enum { COLUMN = 31, COLUMNS = 90 }; /* where the text of options begins, and ends */
+
+/* Words of the text from `at` on; returns where the last one ends. */
+static int print_words(const char *text, int at)
+{
+    while (*text) {
+        int length = (int)strcspn(text, " ");
+        if (at + 1 + length > COLUMNS && at > COLUMN) {
+            printf("\n%*s", COLUMN, "");
+            at = COLUMN;
+        }
+        at += printf(at > COLUMN ? " %.*s" : "%.*s", length, text);
+        text += length;
+        text += strspn(text, " ");
+    }
+    return at;
+}
+
 static void print_option(const char *names, const char *help, const char *standard)
 {
     printf("  %-28s ", names);
-    if (strlen(names) > 28) printf("\n  %-28s ", "");
-    printf("%s", help);
-    if (standard) printf(" [%s]", standard);
+    if (strlen(names) > 28) printf("\n%*s", COLUMN, "");
+    int at = print_words(help, COLUMN);
+    if (standard) {
+        char text[128];
+        snprintf(text, sizeof text, "[%s]", standard);
+        print_words(text, at);
+    }
     puts("");
 }
 

@@ -74,7 +74,7 @@ static igi_status run(cli_session *s)
     cli_progress_clear(&s->progress);
     if (s->values.verbose) print_stages(s->context);
     const char *sentence = igi_context_message(s->context);
-    if (status != IGI_OK)
+    if (status != IGI_OK && (sentence[0] || status != IGI_E_USAGE)) /* that has been said */
         fprintf(stderr, "igi: %s\n", sentence[0] ? sentence : igi_status_meaning(status));
     running = NULL;
     igi_context_destroy(s->context);

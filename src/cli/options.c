@@ -97,10 +97,11 @@ static const option options[] = {
     {"register", 0, CHOICE, CLI_RECOVER, AT(registering), "auto|never|always", "auto", 0, 0,
      "cameras moved first until the photographs' edges lie on the mesh's; auto: where they are "
      "clearly off"},
-    {"target-error", 0, REAL, CLI_RECOVER | CLI_RELIGHT, AT(target_error), "E", "0", 0, 1,
-     "relative error to aim at, a fraction, of albedo (few photographs, pixels and rays where "
-     "those "
-     "do) or of relight's pixels; 0: as it comes"},
+    {"target-error", 0, REAL, CLI_RECOVER, AT(target_error), "E", "0", 0, 1,
+     "relative error of albedo to aim at, a fraction: as few photographs, pixels and rays as do; "
+     "0: as it comes"},
+    {"target-error", 0, REAL, CLI_RELIGHT, AT(target_error), "E", "0", 0, 1,
+     "noise of a pixel to aim at, a fraction of the mean pixel; 0: as it comes"},
     {"time-budget", 0, REAL, CLI_RECOVER, AT(time_budget), "SECONDS", "0", 0, MANY,
      "CPU seconds to aim at; 0: no limit"},
     {"patch", 0, REAL, CLI_RECOVER, AT(patch), "METRES", "0", 0, MANY,
@@ -138,7 +139,7 @@ static const option options[] = {
     {"png", 0, FLAG, CLI_RELIGHT, AT(png), NULL, NULL, 0, 0,
      "write NAME.png too, tone-mapped alike for all views"},
     {"scenes", 0, TEXT, CLI_CHART, AT(scenes), "A,B", NULL, 0, 0,
-     "specs of rooms; speed: or scene folders with truth/; default: the standard ones"},
+     "specs of rooms; speed, parsimony: or scene folders with truth/; default: the standard ones"},
     {"sweeps", 0, TEXT, CLI_CHART, AT(sweeps), "A,B", NULL, 0, 0,
      "names of sweeps, or their files; default: all"},
     {"seeds", 0, WHOLE, CLI_CHART, AT(seeds), "N", "0", 0, 1000,

@@ -42,6 +42,17 @@ static void draw(cli_progress *p, double fraction)
     p->drawn = true;
 }
 
+/* A line for each stage, once: some are many, one a photograph. */
+static void tell(cli_progress *p, const char *stage)
+{
+    char line[80];
+    snprintf(line, sizeof line, "\n%.64s\n", stage);
+    if (strstr(p->told, line)) return;
+    size_t used = strlen(p->told);
+    snprintf(p->told + used, sizeof p->told - used, "%s", line + (used > 0));
+    fprintf(stderr, "igi: %s\n", stage);
+}
+
 bool cli_progress_report(void *session, const char *stage, double fraction)
 {
     cli_progress *p = &((cli_session *)session)->progress;
@@ -52,7 +63,7 @@ bool cli_progress_report(void *session, const char *stage, double fraction)
         p->began_s = seconds();
     }
     if (p->bar) draw(p, fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
-    else if (is_new) fprintf(stderr, "igi: %s\n", stage);
+    else if (is_new) tell(p, stage);
     return true;
 }
 

@@ -156,8 +156,8 @@ static igi_status check_pixels(igi_context *ctx, const igi_scene *scene, size_t 
     }
     if (f->hits > 0) return IGI_OK;
     return igi_fail(ctx, IGI_E_DATA,
-                    "%s: this camera sees nothing of the mesh; check that mesh and cameras share "
-                    "one frame and one unit (metres)",
+                    "%s: this camera sees nothing of the mesh; mesh and cameras must share one "
+                    "frame and one unit, metres (igi register --points brings cameras there)",
                     meta->path);
 }
 

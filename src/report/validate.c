@@ -95,6 +95,16 @@ static igi_status compare_region(igi_context *ctx, const igi_material *got,
         error->sigmas = fmax(error->sigmas, fabs(error->albedo_z[b])); /* fmax passes over NaN */
     }
     error->got = got->model;
+    if (got->model != IGI_LAMBERT) {
+        error->specular_values[0] = got->specular;
+        error->specular_values[1] = got->specular_std;
+        error->alpha_values[0] = got->alpha;
+        error->alpha_values[1] = got->alpha_std;
+    }
+    if (want->model != IGI_LAMBERT) {
+        error->specular_values[2] = want->specular;
+        error->alpha_values[2] = want->alpha;
+    }
     if (want->model == IGI_LAMBERT) return IGI_OK;
     error->specular = fabs(got->specular - want->specular) / want->specular;
     error->specular_z = in_sigmas(got->specular, want->specular, got->specular_std);
@@ -128,6 +138,7 @@ static igi_status compare_all(igi_context *ctx, const igi_materials *got, const 
                                     .alpha_z = none,
                                     .want = w->model};
         for (int b = 0; b < IGI_MAX_BANDS; b++) error->albedo_z[b] = none;
+        for (int k = 0; k < 3; k++) error->specular_values[k] = error->alpha_values[k] = none;
         IGI_TRY(igi_strdup(ctx, w->region, &error->region));
         error->judged = !w->emitter && w->observed >= LEAST_SEEN;
         error->missing = error->judged && !g;

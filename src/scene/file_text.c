@@ -32,7 +32,7 @@ igi_status igi_text_load(igi_context *ctx, const char *path, size_t limit, igi_t
     FILE *file = fopen(path, "rb");
     if (!file)
         return errno == ENOENT || errno == ENOTDIR
-                   ? igi_fail(ctx, IGI_E_DATA, "%s: no such file; check the path", path)
+                   ? igi_fail(ctx, IGI_E_DATA, "%s: no such file or folder; check the path", path)
                    : igi_fail(ctx, IGI_E_SYSTEM, "%s: cannot be opened: %s", path, strerror(errno));
     igi_status status = read_open_file(ctx, file, path, limit, text);
     fclose(file);

@@ -137,6 +137,20 @@ cleanup:
     return status;
 }
 
+static igi_status fail_without_manifest(igi_context *ctx, const char *folder)
+{
+    char *materials;
+    IGI_TRY(igi_path_join(ctx, folder, "materials.json", &materials));
+    bool is_result = igi_file_exists(materials);
+    igi_free(materials);
+    return igi_fail(ctx, IGI_E_DATA,
+                    is_result
+                        ? "%s: is a result of igi recover; give the scene's folder"
+                        : "%s: no scene.json in it; give the folder that has one, or write it "
+                          "(README.md shows how)",
+                    folder);
+}
+
 igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **scene)
 {
     *scene = NULL;
@@ -149,6 +163,7 @@ igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **sc
         IGI_TRY_GOTO(igi_strdup(context, path, &s->folder));
         for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; n--) s->folder[n - 1] = 0;
         IGI_TRY_GOTO(igi_path_join(context, path, "scene.json", &manifest));
+        if (!igi_file_exists(manifest)) IGI_TRY_GOTO(fail_without_manifest(context, path));
     } else {
         IGI_TRY_GOTO(igi_path_folder(context, path, &s->folder));
         IGI_TRY_GOTO(igi_strdup(context, path, &manifest));

@@ -168,9 +168,14 @@ igi_status spec_load(igi_context *ctx, const char *path, spec *s)
     IGI_TRY(igi_json_load(ctx, path, &s->file));
     s->root = igi_json_root(&s->file);
     IGI_TRY(igi_json_object(ctx, &s->root));
-    IGI_TRY(igi_json_check_keys(ctx, &s->root, known, COUNT(known)));
     igi_json number = igi_json_member(&s->root, "igi_synth"),
              name = igi_json_member(&s->root, "name");
+    if (!number.value)
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: no spec of a room (it lacks \"igi_synth\": 1); give one "
+                        "like those in datasets-synthetic",
+                        path);
+    IGI_TRY(igi_json_check_keys(ctx, &s->root, known, COUNT(known)));
     IGI_TRY(igi_json_number(ctx, &number, &version));
     if (version != 1)
         return igi_json_fail(ctx, &number, "is %g; this program reads version 1", version);

@@ -56,6 +56,15 @@ awk -F, -v s="$size" -v e="$error" '$2 == "auto" { if ($4 == 1) best = $e; if ($
     END { exit !(best > 0 && 3 * best < plain) }' charts/parsimony.csv ||
     fail "parsimony.csv: $(cat charts/parsimony.csv)"
 
+# By itself it is the same; maps on every region are more parameters, and no better.
+expect 0 'parsimony' "$igi" chart parsimony --small --scenes "$spec" --cache rooms -o spare
+stdout 'spare/parsimony\.png'
+cmp charts/parsimony.csv spare/parsimony.csv || fail "chart parsimony differs from chart speed's"
+count=$(column parameters charts/parsimony.csv)
+awk -F, -v c="$count" -v e="$error" '$4 == 1 { n = $c; best = $e }
+    $2 == "maps" && !all { all = $c; worst = $e } END { exit !(all > n && worst > .9 * best) }' \
+    charts/parsimony.csv || fail "parsimony.csv: $(cat charts/parsimony.csv)"
+
 if command -v gnuplot >/dev/null; then
     for picture in speed parsimony; do
         grep -q '</svg>' charts/$picture.svg || fail "$picture.svg is no picture"

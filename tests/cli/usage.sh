@@ -21,6 +21,7 @@ for command in $("$igi" | sed -n 's/^  igi \([a-z]*\) .*/\1/p'); do
     stdout "^usage: igi $command"
     stdout '^example: igi'
     stdout '--threads N .*\[0\]'
+    [ "$(sed -n '/^options:/,$p' "$out" | wc -L)" -le 92 ] || fail "help $command: long lines"
     cp "$out" help
     expect 0 "" "$igi" "$command" --help
     cmp -s help "$out" || fail "help $command and $command --help differ"
@@ -50,13 +51,19 @@ expect 2 'where to\?' "$igi" recover x
 expect 2 '--gather-from photos is for --method gather' "$igi" recover x -n --gather-from photos
 expect 2 '--form-factors is for --method radiosity' "$igi" recover x -n --form-factors closed
 expect 2 'against what\?' "$igi" validate x
+[ "$(wc -l <"$err")" -eq 1 ] || fail "a mistake is told twice: $(cat "$err")"
+expect 2 "did you mean 'speed'" "$igi" chart sped -o x
 
 # Where the input is wrong: status 3, the file, and nothing written.
 mkdir empty
 expect 3 'nowhere' "$igi" recover nowhere -o out
-expect 3 'empty/scene\.json' "$igi" recover -o out empty
+expect 3 'empty: no scene\.json in it' "$igi" recover -o out empty
 expect 3 'materials\.json' "$igi" validate empty --truth empty
 expect 3 'materials\.json' "$igi" report empty
+mkdir result && echo '{}' >result/materials.json
+expect 3 "result: is a result of igi recover; give the scene's folder" "$igi" check result
+echo '{ "igi": 1 }' >no_spec.json
+expect 3 'no_spec\.json: no spec of a room' "$igi" synth no_spec.json -o out
 echo '{ "igi": 1, "mesch": "x" }' >empty/scene.json
 expect 3 'empty/scene\.json:1: .*mesch' "$igi" recover empty -o out
 expect 3 'scene\.json' "$igi" recover empty -n
