@@ -243,6 +243,7 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     igi_edge_site *site = &grown[sites->count++];
     int a = f->axis, b = 1 - f->axis;
     site->point = igi_triangle_point(&f->scene->mesh, nearer.triangle, nearer.u, nearer.v);
+    site->region = f->scene->mesh.regions[nearer.triangle];
     site->seen[a] = seen + s.first;
     site->seen[b] = across + .5;
     site->normal[a] = norm;

@@ -10,7 +10,8 @@
 #include <igi/image.h>
 
 typedef struct igi_edge_site {
-    igi_vec point;    /* of the nearer surface, metres */
+    igi_vec point;    /* of the nearer surface, metres, */
+    uint32_t region;  /* and its region */
     double seen[2];   /* where the photograph shows it, pixels */
     double normal[2]; /* unit, across the edge */
     double offset;    /* of `seen` from where the mesh has it, along the normal */

@@ -51,6 +51,17 @@ static igi_status say_lens(igi_context *ctx, const igi_registered *r, const igi_
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
+static igi_status say_mesh(igi_context *ctx, const igi_registered *r, igi_observations *o)
+{
+    char *sentence;
+    IGI_TRY(igi_strprintf(ctx, &sentence,
+                          "the photographs' edges lie %.2f pixels off the mesh's, and edges of "
+                          "different things ask for different cameras: things were moved, or the "
+                          "mesh is not exact; mend it",
+                          r->before_px));
+    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
+}
+
 static igi_status say(igi_context *ctx, const igi_registered *r, const igi_scene *scene,
                       igi_observations *o)
 {
@@ -65,7 +76,7 @@ static igi_status say(igi_context *ctx, const igi_registered *r, const igi_scene
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
-/* *poses: NULL where no camera finds a better place. */
+/* *poses: NULL where there is nothing to say. */
 static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **poses)
 {
     igi_status status = IGI_OK;
@@ -84,7 +95,7 @@ static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **pos
         goto cleanup;
     }
     IGI_TRY_GOTO(status);
-    if (count_moved(p->registered) == 0) goto cleanup;
+    if (count_moved(p->registered) == 0 && !p->registered->mesh_is_off) goto cleanup;
     *poses = p;
     p = NULL;
 cleanup:
@@ -104,6 +115,8 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
     if (!needed) return IGI_OK;
     IGI_TRY_GOTO(find(ctx, scene, &p));
     if (!p) goto cleanup;
+    if (p->registered->mesh_is_off) IGI_TRY_GOTO(say_mesh(ctx, p->registered, *observations));
+    if (count_moved(p->registered) == 0) goto cleanup;
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
     IGI_TRY_GOTO(say(ctx, p->registered, &p->scene, again));

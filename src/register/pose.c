@@ -121,7 +121,7 @@ static void changed_camera(const problem *p, size_t frame, const double *change,
     move_camera(camera, &s);
 }
 
-static double distance_of(const igi_edge_site *site, const igi_camera *camera)
+double pose_distance(const igi_edge_site *site, const igi_camera *camera)
 {
     double x, y;
     if (!igi_camera_project(camera, site->point, &x, &y)) return (double)NAN;
@@ -150,7 +150,7 @@ static bool residuals(void *user, size_t block, const double *x, double *r, doub
     double weight = p->dropped[block] ? 0 : weight_of(site);
     igi_camera camera;
     changed_camera(p, frame, x, &camera);
-    r[0] = weight * distance_of(site, &camera);
+    r[0] = weight * pose_distance(site, &camera);
     for (size_t i = 0; jacobian && i < count; i++) {
         const double h = 1e-2; /* pixels: projection is smooth, and points are floats */
         double moved[7], ends[2];
@@ -158,7 +158,7 @@ static bool residuals(void *user, size_t block, const double *x, double *r, doub
             memcpy(moved, x, count * sizeof *moved);
             moved[i] += side ? h : -h;
             changed_camera(p, frame, moved, &camera);
-            ends[side] = distance_of(site, &camera);
+            ends[side] = pose_distance(site, &camera);
         }
         jacobian[i] = weight * (ends[1] - ends[0]) / (2 * h);
     }
@@ -177,7 +177,7 @@ static igi_status spread_of(igi_context *ctx, const problem *p, const double *ch
         igi_camera camera;
         changed_camera(p, f, change, &camera);
         for (size_t i = 0; i < p->sites[f].count; i++) {
-            double d = fabs(distance_of(&p->sites[f].sites[i], &camera));
+            double d = fabs(pose_distance(&p->sites[f].sites[i], &camera));
             if (weighted) d *= weight_of(&p->sites[f].sites[i]);
             if (isfinite(d)) all[count++] = d;
         }
@@ -194,7 +194,7 @@ static void drop_outliers(problem *p, const double *change, double spread)
         changed_camera(p, f, change, &camera);
         for (size_t i = 0; i < p->sites[f].count; i++) {
             const igi_edge_site *site = &p->sites[f].sites[i];
-            double d = fabs(distance_of(site, &camera)) * weight_of(site);
+            double d = fabs(pose_distance(site, &camera)) * weight_of(site);
             p->dropped[p->begin[f] + i] = !(d <= OUTLIER * fmax(1, spread));
         }
     }
@@ -300,7 +300,7 @@ static double misfit(const problem *p, const igi_camera *camera, double unit)
 {
     double sum = 0;
     for (size_t i = 0; i < p->sites->count; i++) {
-        double d = fabs(distance_of(&p->sites->sites[i], camera)) * weight_of(&p->sites->sites[i]);
+        double d = fabs(pose_distance(&p->sites->sites[i], camera)) * weight_of(&p->sites->sites[i]);
         sum += isfinite(d) ? fmin(d * d, OUTLIER * OUTLIER * unit * unit)
                            : OUTLIER * OUTLIER * unit * unit;
     }
@@ -308,18 +308,28 @@ static double misfit(const problem *p, const igi_camera *camera, double unit)
 }
 
 igi_status pose_gain(igi_context *ctx, const igi_edge_sites *sites, const igi_camera *before,
-                     const igi_camera *after, double *gain)
+                     const igi_camera *after, double *gain, double *spread)
 {
     const double none[7] = {0};
-    double spread;
     problem p = {.cameras = after, .sites = sites, .frame_count = 1};
     *gain = 0;
     igi_status status = prepare(ctx, &p);
-    if (status == IGI_OK) status = spread_of(ctx, &p, none, true, &spread);
+    if (status == IGI_OK) status = spread_of(ctx, &p, none, true, spread);
     if (status == IGI_OK)
-        *gain = misfit(&p, before, fmax(1, spread)) - misfit(&p, after, fmax(1, spread));
+        *gain = misfit(&p, before, fmax(1, *spread)) - misfit(&p, after, fmax(1, *spread));
     clear(&p);
     return status;
+}
+
+bool pose_units_of(const igi_edge_sites *sites, const igi_camera *camera, pose_units *units)
+{
+    double depth = 0;
+    igi_vec centre = igi_camera_centre(camera);
+    for (size_t i = 0; i < sites->count; i++)
+        depth += (double)igi_length(igi_sub(sites->sites[i].point, centre));
+    units->turn_rad = 1 / camera->fl_x;
+    units->move_m = depth / (double)sites->count / camera->fl_x;
+    return sites->count >= FEWEST_SITES;
 }
 
 igi_status pose_refine_together(igi_context *ctx, const igi_edge_sites *sites, igi_scene *scene,

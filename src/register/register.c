@@ -23,6 +23,10 @@
  * by it than six numbers gain by chance (chi-square, 1 %). */
 #define BETTER .98
 #define GAIN 16.8
+/* Of that, so much must be gained by edges of which the pose knows nothing, too (predict.c): else the
+ * mesh is off, not the camera. */
+#define PREDICTED .5
+#define PREDICTED_BY_ALL .75
 /* Of cameras whose edges are not found near, edges are looked for so far off, pixels; there must be as
  * many then as seem to be where the camera was given. */
 #define FAR 10.0
@@ -34,6 +38,13 @@
 #define LEAST_PX .1
 #define UNKNOWN_PX 2.0
 
+/* A camera before and after, and what speaks for moving it: -2 ln likelihood gained by its edges, and
+ * by those that are predicted. */
+typedef struct evidence {
+    igi_camera start;
+    double gain, predicted;
+} evidence;
+
 typedef struct job {
     igi_scene *scene;
     const igi_tracer *tracer;
@@ -44,6 +55,7 @@ typedef struct job {
     igi_camera *given;               /* [frame_count] */
     igi_registration *registrations; /* [frame_count] */
     igi_alignment alignment;
+    evidence *evidence; /* [frame_count] */
 } job;
 
 void igi_register_options_init(igi_register_options *options)
@@ -208,6 +220,7 @@ typedef struct frame_job {
 typedef struct attempt {
     igi_camera camera;
     igi_registered_frame out;
+    double gain, predicted;
     bool better;
 } attempt;
 
@@ -233,14 +246,18 @@ static igi_status refine_from(igi_context *ctx, frame_job *f, double reach, doub
 static igi_status try_from(igi_context *ctx, frame_job *f, double reach, double expected,
                            attempt *a)
 {
-    double gain, there;
+    double there, spread;
+    pose_prediction p = {0};
     *a = (attempt){.camera = *f->start, .out = {.before_px = (double)NAN, .after_px = (double)NAN}};
     igi_status status = refine_from(ctx, f, reach, expected, a);
     if (status == IGI_OK) status = pose_residual(ctx, &f->sites, f->start, &there);
-    if (status == IGI_OK) status = pose_gain(ctx, &f->sites, f->start, &a->camera, &gain);
+    if (status == IGI_OK) status = pose_gain(ctx, &f->sites, f->start, &a->camera, &a->gain, &spread);
+    if (status == IGI_OK) status = pose_predict(ctx, &f->sites, f->start, spread, expected, &p);
     if (status == IGI_E_NO_ANSWER) return IGI_OK;
     IGI_TRY(status);
-    a->better = a->out.after_px < BETTER * fmin(there, a->out.before_px) && gain > GAIN;
+    a->predicted = p.regions ? p.gain : a->gain;
+    a->better = a->out.after_px < BETTER * fmin(there, a->out.before_px) && a->gain > GAIN &&
+                a->predicted > PREDICTED * a->gain;
     return IGI_OK;
 }
 
@@ -271,6 +288,8 @@ static igi_status register_frame(igi_context *ctx, void *user, size_t frame, int
     IGI_TRY_GOTO(try_from(ctx, &f, j->options->search_px, expected_px(j, frame), &a));
     if (!a.better && (r->edges == 0 || r->shift_error > UNSURE_PX || igi_registration_is_off(r)))
         IGI_TRY_GOTO(try_far(ctx, &f, &a));
+    j->evidence[frame] = (evidence){start, a.gain > GAIN ? a.gain : 0,
+                                    a.gain > GAIN ? a.predicted : 0};
     a.out.image = out->image;
     *out = a.out;
     if (a.better) *camera = a.camera;
@@ -285,6 +304,26 @@ cleanup:
     igi_free(f.sites.sites);
     igi_image_destroy(photo);
     return status;
+}
+
+/* Where things moved, many a camera finds a place that suits what it sees of them; over all cameras,
+ * they do not agree. */
+static void judge_mesh(job *j)
+{
+    double gain = 0, predicted = 0;
+    for (size_t i = 0; i < j->scene->frame_count; i++) {
+        gain += j->evidence[i].gain;
+        predicted += j->evidence[i].predicted;
+    }
+    j->out->mesh_is_off = predicted < PREDICTED_BY_ALL * gain;
+    if (!j->out->mesh_is_off) return;
+    for (size_t i = 0; i < j->scene->frame_count; i++) {
+        igi_registered_frame *f = &j->out->frames[i];
+        j->scene->frames[i].camera = j->evidence[i].start;
+        f->moved = j->out->lens;
+        f->after_px = f->before_px;
+        if (!f->moved) f->moved_px = 0;
+    }
 }
 
 static igi_status sum_up(igi_context *ctx, igi_registered *r)
@@ -363,6 +402,7 @@ igi_status igi_register(igi_context *ctx, igi_scene *scene, const igi_register_o
         .scene = scene, .tracer = tracer, .photographs = photographs, .options = &o, .out = r};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.given));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.registrations));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &j.evidence));
     for (size_t i = 0; i < scene->frame_count; i++) {
         j.given[i] = scene->frames[i].camera;
         IGI_TRY_GOTO(igi_strdup(ctx, scene->frames[i].name, &r->frames[i].image));
@@ -370,6 +410,7 @@ igi_status igi_register(igi_context *ctx, igi_scene *scene, const igi_register_o
     if (o.together) IGI_TRY_GOTO(refine_together(ctx, &j));
     IGI_TRY_GOTO(refine_lens(ctx, &j));
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, register_frame, &j));
+    judge_mesh(&j);
     IGI_TRY_GOTO(sum_up(ctx, r));
     if (o.compare) IGI_TRY_GOTO(compare_photographs(ctx, scene, tracer, r));
     *registered = r;
@@ -379,6 +420,7 @@ cleanup:
     igi_registered_destroy(r);
     igi_free(j.given);
     igi_free(j.registrations);
+    igi_free(j.evidence);
     igi_photographs_close(photographs);
     igi_tracer_destroy(tracer);
     return status;

@@ -16,6 +16,12 @@ typedef struct pose_units {
     double turn_rad, move_m;
 } pose_units;
 
+/* Where the sites lie on the average; false: there are too few. */
+bool pose_units_of(const igi_edge_sites *sites, const igi_camera *camera, pose_units *units);
+/* Of where the photograph shows a site from where the camera projects it, across the edge, pixels; NaN:
+ * it does not. */
+double pose_distance(const igi_edge_site *site, const igi_camera *camera);
+
 void pose_change(const igi_camera *camera, const pose_units *units, const double change[6],
                  igi_camera *changed);
 /* Moves the camera so that its edges come together, robustly; expected_px: by how much each of the
@@ -27,9 +33,20 @@ IGI_MUST_USE igi_status pose_refine(igi_context *ctx, const igi_edge_sites *site
 IGI_MUST_USE igi_status pose_residual(igi_context *ctx, const igi_edge_sites *sites,
                                       const igi_camera *camera, double *rms_px);
 
-/* -2 ln likelihood that the sites gain by the one camera over the other. */
+/* -2 ln likelihood that the sites gain by the one camera over the other; *spread: robust deviation of
+ * their distances, in standard deviations, from the latter. */
 IGI_MUST_USE igi_status pose_gain(igi_context *ctx, const igi_edge_sites *sites,
-                                  const igi_camera *before, const igi_camera *after, double *gain);
+                                  const igi_camera *before, const igi_camera *after, double *gain,
+                                  double *spread);
+
+/* The edges of each region by the pose that those of the others ask for. */
+typedef struct pose_prediction {
+    size_t regions;    /* 0: nothing can be said */
+    double gain, most; /* -2 ln likelihood gained by it, and if the edges were met exactly */
+} pose_prediction;
+IGI_MUST_USE igi_status pose_predict(igi_context *ctx, const igi_edge_sites *sites,
+                                     const igi_camera *before, double spread, double expected_px,
+                                     pose_prediction *prediction);
 
 /* The similarity of all cameras that brings the sites of all frames together. */
 IGI_MUST_USE igi_status pose_refine_together(igi_context *ctx, const igi_edge_sites *sites,
