@@ -62,7 +62,7 @@ typedef struct igi_registered {
      * of ln gain over the frames, and the typical share of places at which one contradicts. */
     double gain_spread, contradicts;
     igi_similarity together; /* identity when not asked for */
-    bool mesh_is_off; /* edges of different things contradict each other: cameras stayed */
+    bool mesh_is_off;        /* edges of different things contradict each other: cameras stayed */
     bool lens; /* all pictures shared a shift or were all too large, and cameras were mended: */
     struct {
         double shift_px[2], magnification; /* added to the principal point; of the focal length */

@@ -74,9 +74,10 @@ static void print_table(const cli_session *s, const igi_scene *scene, const igi_
     if (r->mesh_is_off)
         puts("edges of different things ask for different cameras: the mesh is off; mend it");
     if (r->lens)
-        printf("all photographs share a shift of %+.2f columns and %+.2f rows and a magnification of "
-               "%.4f: principal point and focal length were mended\n",
-               r->shared.shift_px[0], r->shared.shift_px[1], r->shared.magnification);
+        printf(
+            "all photographs share a shift of %+.2f columns and %+.2f rows and a magnification of "
+            "%.4f: principal point and focal length were mended\n",
+            r->shared.shift_px[0], r->shared.shift_px[1], r->shared.magnification);
     printf("edges off by %.3f px before, %.3f px after; brightness differs by %.2f %% between "
            "photographs\nwritten: %s\n",
            r->before_px, r->after_px, 100 * r->gain_spread, s->values.output);

@@ -6,8 +6,7 @@
  * rays finds it to a hundredth of a pixel, on this row and two rows away, which gives its slope. No
  * edge of the mesh is looked at as such: outlines of round things count like creases, and of what is
  * hidden nothing is known. A site is used where the block of pixels around shows these two surfaces
- * alone, each on its side, so that nothing else can be mistaken for it; lamps are left out, whose
- * light a lens scatters.
+ * alone, each on its side, so that nothing else can be mistaken for it.
  */
 #include "observe/edge_sites.h"
 
@@ -26,6 +25,8 @@
 #define BISECTIONS 7
 /* How far the three crossings may be off a line, pixels. */
 #define STRAIGHT .12
+/* A lens scatters lamps' light about them, and saturated pixels are cut: pixels. */
+#define LAMP_SIGMA .2
 /* Rows (columns) that are looked along: each, but of large photographs so many; of those, at first
  * one of so many. */
 #define MOST_ROWS 400
@@ -228,9 +229,8 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     strip s = {.across = across, .sides = sides};
     double y[MOST_PIXELS], seen, sigma;
     igi_hit nearer;
-    if (sides[0] == sides[1] || is_lamp(f, &f->visible->hits[here]) ||
-        is_lamp(f, &f->visible->hits[next]) ||
-        !trace_edge(f, along, across, sides, &s.place, &s.slope, &nearer))
+    bool lit = is_lamp(f, &f->visible->hits[here]) || is_lamp(f, &f->visible->hits[next]);
+    if (sides[0] == sides[1] || !trace_edge(f, along, across, sides, &s.place, &s.slope, &nearer))
         return IGI_OK;
     if (!lay_strip(f, &s) || !project_colours(f, &s, y) ||
         !igi_edge_profile_measure(y, s.count, s.place - s.first, s.reach, s.slope, &seen, &sigma))
@@ -249,7 +249,7 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     site->normal[a] = norm;
     site->normal[b] = -s.slope * norm;
     site->offset = (seen + s.first - s.place) * norm;
-    site->sigma = sigma * norm;
+    site->sigma = hypot(sigma, lit ? LAMP_SIGMA : 0) * norm;
     return IGI_OK;
 }
 

@@ -18,7 +18,7 @@
 /* What one similarity of all cameras is expected to move the picture by, pixels. */
 #define TOGETHER_PX 2.0
 /* Fewer sites leave a camera where it was. */
-#define FEWEST_SITES 30
+#define FEWEST_SITES 12
 /* In standard deviations: where the loss turns linear, and what is left out. */
 #define LOSS 2.0
 #define OUTLIER 3.5
@@ -300,7 +300,8 @@ static double misfit(const problem *p, const igi_camera *camera, double unit)
 {
     double sum = 0;
     for (size_t i = 0; i < p->sites->count; i++) {
-        double d = fabs(pose_distance(&p->sites->sites[i], camera)) * weight_of(&p->sites->sites[i]);
+        double d = fabs(pose_distance(&p->sites->sites[i], camera)) *
+                   weight_of(&p->sites->sites[i]);
         sum += isfinite(d) ? fmin(d * d, OUTLIER * OUTLIER * unit * unit)
                            : OUTLIER * OUTLIER * unit * unit;
     }

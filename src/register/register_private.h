@@ -39,10 +39,10 @@ IGI_MUST_USE igi_status pose_gain(igi_context *ctx, const igi_edge_sites *sites,
                                   const igi_camera *before, const igi_camera *after, double *gain,
                                   double *spread);
 
-/* The edges of each region by the pose that those of the others ask for. */
+/* The edges of each region by the pose that those of the others ask for: -2 ln likelihood gained by it,
+ * and by the pose that all ask for; and the same of those edges alone of which the others tell. */
 typedef struct pose_prediction {
-    size_t regions;    /* 0: nothing can be said */
-    double gain, most; /* -2 ln likelihood gained by it, and if the edges were met exactly */
+    double gain, most, told_gain, told_most;
 } pose_prediction;
 IGI_MUST_USE igi_status pose_predict(igi_context *ctx, const igi_edge_sites *sites,
                                      const igi_camera *before, double spread, double expected_px,
