@@ -61,7 +61,8 @@ static void print_regions(const igi_sketch *s)
           "a photograph, and in one alone; the photographs; their angles from its normal; of what "
           "it faces, the share that no photograph shows and the share outside the mesh; and, of "
           "places looked at that mirror a lamp toward a camera, those with a usable pixel. Click "
-          "a heading to sort.</p><div class=\"card scroll\"><table><thead><tr><th class=\"l\">"
+          "a heading to sort.</p><div class=\"card scroll\" tabindex=\"0\"><table><thead><tr><th "
+          "class=\"l\">"
           "<button type=\"button\">region</button></th>",
           f);
     for (size_t i = 0; i < sizeof headings / sizeof headings[0]; i++)

@@ -85,7 +85,8 @@ static void print_table(const igi_sketch *s)
     fputs("<p class=\"soft\" style=\"margin-top:1.2rem\">Of each photograph: its gain against the "
           "others; the share of shared places at which it is alone with what it shows; its "
           "saturated pixels; the edges found beside the mesh's, and how far they lie off to the "
-          "right and down.</p><div class=\"card scroll\"><table><thead><tr><th class=\"l\"><button "
+          "right and down.</p><div class=\"card scroll\" tabindex=\"0\"><table><thead><tr><th "
+          "class=\"l\"><button "
           "type=\"button\">photograph</button></th>",
           f);
     for (size_t i = 0; i < sizeof headings / sizeof headings[0]; i++)
@@ -124,7 +125,8 @@ void igi_sketch_lights(const igi_sketch *s)
 {
     FILE *f = s->page->file;
     if (s->c->check->light_count == 0) return;
-    fputs("<section><h2>Lights</h2><div class=\"card scroll\"><table><thead><tr><th class=\"l\">"
+    fputs("<section><h2>Lights</h2><div class=\"card scroll\" tabindex=\"0\"><table><thead><tr><th "
+          "class=\"l\">"
           "light</th><th class=\"l\">kind</th><th class=\"l\">in the photographs</th><th "
           "class=\"l\">its power</th></tr></thead><tbody>\n",
           f);

@@ -168,7 +168,7 @@ void igi_page_evidence(const igi_page *page)
         "refine look with ever more pixels. Parameters: an albedo for each band, and two of a "
         "lobe; "
         "texels come on top where the region is textured.</p><div class=\"card "
-        "scroll\"><table><thead><tr><th class=\"l\">region"
+        "scroll\" tabindex=\"0\"><table><thead><tr><th class=\"l\">region"
         "</th><th class=\"l\">given</th><th class=\"l\">tried</th><th class=\"l\">why</th>"
         "<th>parameters</th><th>texels</th><th>rays for its<br>light, 10<sup>3</sup></th>"
         "<th>for its<br>lobe, 10<sup>3</sup></th></tr></thead><tbody>\n",

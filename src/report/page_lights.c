@@ -57,7 +57,8 @@ void igi_page_lights(const igi_page *page)
     const igi_materials *all = page->materials;
     static const char *const rgb[] = {"red", "green", "blue"};
     if (all->light_count == 0) return;
-    fputs("<section id=\"lights\"><h2>Lights</h2><div class=\"card scroll\"><table><thead><tr><th "
+    fputs("<section id=\"lights\"><h2>Lights</h2><div class=\"card scroll\" "
+          "tabindex=\"0\"><table><thead><tr><th "
           "class=\"l\">kind"
           "</th><th class=\"l\">region</th><th class=\"l\">value</th>",
           f);

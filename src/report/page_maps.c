@@ -67,17 +67,20 @@ static void paint_sigma(const igi_image *sigma, float top, uint8_t *pixels)
     }
 }
 
-static igi_status print_sigma(const igi_page *page, const igi_image *map, const igi_image *map_std,
-                              uint8_t *pixels)
+static igi_status print_sigma(const igi_page *page, const char *region, const igi_image *map,
+                              const igi_image *map_std, uint8_t *pixels)
 {
     igi_status status = IGI_OK;
     igi_image *small = NULL;
+    char *label = NULL;
     float top = 1;
     IGI_TRY_GOTO(igi_image_resample(page->ctx, map_std, map->width, map->height, &small));
     IGI_TRY_GOTO(find_top(page, map, small, &top));
     paint_sigma(small, top, pixels);
     fputs("<figure>", page->file);
-    IGI_TRY_GOTO(igi_page_pixels(page, pixels, small->width, small->height, 3, "uncertainty"));
+    IGI_TRY_GOTO(
+        igi_strprintf(page->ctx, &label, "one standard deviation of the albedo of %s", region));
+    IGI_TRY_GOTO(igi_page_pixels(page, pixels, small->width, small->height, 3, label));
     fprintf(page->file,
             "<div class=\"ramp\" style=\"background:linear-gradient(90deg,#440154,#472c7a,#3b518b,"
             "#2c718e,#21908d,#27ad81,#5cc863,#aadc32,#fde725)\"></div><div class=\"ends\">"
@@ -85,6 +88,7 @@ static igi_status print_sigma(const igi_page *page, const igi_image *map, const 
             (double)top);
 cleanup:
     igi_image_destroy(small);
+    igi_free(label);
     return status;
 }
 
@@ -93,22 +97,25 @@ static igi_status print_card(const igi_page *page, const igi_material *m, int si
     igi_status status = IGI_OK;
     igi_image *small = NULL;
     uint8_t *pixels = NULL;
+    char *label = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(page->ctx, 3 * (size_t)side * (size_t)side, &pixels));
     IGI_TRY_GOTO(igi_image_reduce(page->ctx, m->map, side, &small));
     paint_albedo(page, small, pixels);
     fputs("<div class=\"card\"><h3>", page->file);
     igi_page_text(page, m->region);
     fputs("</h3><div class=\"pair\"><figure>", page->file);
-    IGI_TRY_GOTO(igi_page_pixels(page, pixels, small->width, small->height, 3, "albedo"));
+    IGI_TRY_GOTO(igi_strprintf(page->ctx, &label, "albedo of %s", m->region));
+    IGI_TRY_GOTO(igi_page_pixels(page, pixels, small->width, small->height, 3, label));
     fprintf(page->file,
             "<figcaption>albedo, %d &times; %d texels; %.0f&nbsp;%% observed in %d "
             "view%s</figcaption></figure>",
             m->map->width, m->map->height, 100 * m->observed, m->views, m->views == 1 ? "" : "s");
-    if (m->map_std) IGI_TRY_GOTO(print_sigma(page, small, m->map_std, pixels));
+    if (m->map_std) IGI_TRY_GOTO(print_sigma(page, m->region, small, m->map_std, pixels));
     fputs("</div></div>\n", page->file);
 cleanup:
     igi_image_destroy(small);
     igi_free(pixels);
+    igi_free(label);
     return status;
 }
 

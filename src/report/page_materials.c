@@ -98,7 +98,7 @@ void igi_page_table(const igi_page *page)
         "have a lobe too, which sends &rho;<sub>s</sub> about the mirror direction, the wider the "
         "larger &alpha;. Observed: the share of the area that a photograph shows; views: how many "
         "photographs do. Click a heading to sort.</p>"
-        "<div class=\"card scroll\"><table><thead><tr><th></th>",
+        "<div class=\"card scroll\" tabindex=\"0\"><table><thead><tr><th></th>",
         f);
     print_heading(f, "region", true);
     print_heading(f, "model", true);

@@ -43,7 +43,9 @@ static void print_base64(FILE *f, const uint8_t *bytes, size_t size)
 
 void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label)
 {
-    fprintf(page->file, "<img alt=\"%s\" src=\"data:image/png;base64,", label);
+    fputs("<img alt=\"", page->file);
+    igi_page_text(page, label);
+    fputs("\" src=\"data:image/png;base64,", page->file);
     print_base64(page->file, bytes, size);
     fputs("\">", page->file);
 }

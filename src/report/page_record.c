@@ -29,7 +29,8 @@ void igi_page_costs(const igi_page *page)
     fputs("<section id=\"cost\"><h2>Cost</h2><p class=\"soft\">CPU seconds are those of all "
           "threads together; "
           "memory is the peak of the process up to the end of the stage.</p><div class=\"card "
-          "scroll\"><table><thead><tr><th class=\"l\">stage</th><th></th><th>CPU s</th><th>wall "
+          "scroll\" tabindex=\"0\"><table><thead><tr><th class=\"l\">stage</th><th></th><th>CPU "
+          "s</th><th>wall "
           "s</th><th>rays, millions</th><th>memory, MB</th></tr></thead><tbody>\n",
           f);
     for (size_t i = 0; i < count; i++) {
@@ -74,7 +75,8 @@ static void print_inputs(const igi_page *page)
     fprintf(
         f,
         "<details><summary>%zu input files with their hashes (XXH64)</summary><div class=\"card "
-        "scroll\"><table><thead><tr><th class=\"l\">file</th><th>bytes</th><th>xxh64</th></tr>"
+        "scroll\" tabindex=\"0\"><table><thead><tr><th "
+        "class=\"l\">file</th><th>bytes</th><th>xxh64</th></tr>"
         "</thead><tbody>\n",
         count);
     for (size_t i = 0; i < count; i++) {

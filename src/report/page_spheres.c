@@ -63,9 +63,13 @@ static igi_status print_card(const igi_page *page, const igi_material *m)
 {
     const igi_material *truth = truth_of(page, m->region);
     FILE *f = page->file;
+    char *label;
     fputs("<div class=\"card ball\"><div>", f);
-    IGI_TRY(print_ball(page, m, "recovered"));
-    if (truth) IGI_TRY(print_ball(page, truth, "truth"));
+    IGI_TRY(igi_strprintf(page->ctx, &label, "a ball of %s", m->region));
+    igi_status status = print_ball(page, m, label);
+    igi_free(label);
+    IGI_TRY(status);
+    if (truth) IGI_TRY(print_ball(page, truth, "its truth"));
     fputs("</div><h3>", f);
     igi_page_text(page, m->region);
     fputs("</h3><p class=\"soft\">", f);

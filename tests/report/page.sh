@@ -17,6 +17,10 @@ grep -q "data-images=\"$count/$count\"" dom ||
 grep -q 'data-errors="0"' dom || fail "errors: $(grep -o 'data-errors="[^"]*"' dom)"
 grep -qE '(src|href)="?(https?:)?//' "$page" && fail "the page asks for something outside"
 
+grep -q 'alt=""' "$page" && fail "a picture without words"
+grep -q 'alt="albedo of a &amp; ' "$page" || fail "a map's picture does not name its region"
+grep -q 'id="materials"' "$page" || fail "the contents lead nowhere"
+
 # A click on "observed" sorts by it; a broken image is noticed.
 sed 's|</body>|<script>onload=()=>{const b=[...document.querySelectorAll("th button")]\
 .find(b=>b.textContent=="observed");b.click();\
