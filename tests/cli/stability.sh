@@ -74,6 +74,6 @@ sed 's/light-power/light-powder/' mine.json >wrong.json
 expect 3 'wrong\.json:.*no perturbation is "light-powder"' "$igi" chart stability -q -o wrong \
     --sweeps wrong.json
 expect 3 'nothing\.json' "$igi" chart stability -q -o wrong --sweeps nothing
-expect 2 'there are speed and stability' "$igi" chart sped -o wrong
+expect 2 'there are speed, parsimony and stability' "$igi" chart sped -o wrong
 [ ! -e wrong ] || fail "a failure leaves a folder"
 finish
