@@ -8,6 +8,8 @@
 #define FEW_EMITTERS 8 /* up to here each gets its closed form at any distance */
 /* A small triangle is its area at its centre: off by about .3 area/distance^2. */
 #define FAR_AREAS 1000
+/* From here on its three edges' middles stand for it (exact for polynomials of degree 2). */
+#define MIDDLE_AREAS 40
 #define NEAR (-1.0f)
 #define LEAST 1e-18f /* so that nothing is divided by nothing */
 
@@ -79,6 +81,23 @@ static void mark_near(const igi_lighting *l, size_t first, size_t count, igi_vec
     }
 }
 
+/* By the middles of its edges; NEAR where it is too close for that, or crosses the horizon. */
+static float weigh_middle(const emitter *e, igi_vec point, igi_vec normal)
+{
+    igi_vec to = igi_sub(e->centre, point), half1 = igi_scale(e->edge1, 0.5f);
+    igi_vec half2 = igi_scale(e->edge2, 0.5f), corner = igi_sub(e->corner, point);
+    const igi_vec middles[3] = {igi_add(corner, half1), igi_add(corner, half2),
+                                igi_add(igi_add(corner, half1), half2)};
+    float sum = 0;
+    if (!(igi_dot(to, to) > MIDDLE_AREAS * e->area)) return NEAR;
+    for (int k = 0; k < 3; k++) {
+        float squared = igi_dot(middles[k], middles[k]), above = igi_dot(middles[k], normal);
+        if (!(above > 0)) return NEAR;
+        sum += above / (squared * squared);
+    }
+    return e->area * -igi_dot(corner, e->normal) * sum / 3; /* a plane: alike at all of them */
+}
+
 float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, igi_vec normal,
                          float *weights)
 {
@@ -87,8 +106,9 @@ float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, 
     weigh_small(l, s->first, s->count, at, weights);
     mark_near(l, s->first, s->count, point, weights);
     for (size_t i = 0; i < s->count; i++) {
-        if (weights[i] < 0)
-            weights[i] = igi_emitter_irradiance(&l->emitters[s->first + i], point, normal);
+        const emitter *e = &l->emitters[s->first + i];
+        if (weights[i] < 0 && s->count > FEW_EMITTERS) weights[i] = weigh_middle(e, point, normal);
+        if (weights[i] < 0) weights[i] = igi_emitter_irradiance(e, point, normal);
         sum += weights[i];
     }
     return sum;

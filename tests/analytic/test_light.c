@@ -103,6 +103,12 @@ static void bulb(void)
     igi_vec points[] = {{.3f, 0, 0}, {.1f, .05f, .85f}, {3, 1, -2}, {0, .6f, .95f}};
     for (int i = 0; i < 4; i++)
         CHECK_NEAR(irradiance(r, points[i], up, 4, 7) / brute_force(r, points[i], up, 40), 1, 1e-3);
+    /* From as near as the closed form serves to where a triangle is its centre. */
+    for (float z = 0.88f; z > -1; z -= 0.06f) {
+        igi_vec below = igi_v(0.02f, -0.01f, z);
+        double open = (double)igi_light_irradiance(r->lighting, NULL, 0, below, up, 1, 0);
+        CHECK_NEAR(open / brute_force(r, below, up, 16), 1, 5e-4);
+    }
     put_out(r);
 }
 
