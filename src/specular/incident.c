@@ -3,11 +3,18 @@
 
 #include "brdf/brdf.h"
 
-static float lobe_value(const igi_lobe *lobe, int band, igi_vec in, igi_vec out)
+#define NOTHING 1e-5f /* sr^-1: what reflects so little of a lamp needs no shadow */
+
+/* f_s of the lobe for each band; returns the largest. */
+static float lobe_values(const igi_lobe *lobe, int bands, igi_vec in, igi_vec out, float *values)
 {
-    float scale, base;
+    float scale, base, largest = 0;
     igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
-    return lobe->specular[band] * scale + base;
+    for (int b = 0; b < bands; b++) {
+        values[b] = lobe->specular[b] * scale + base;
+        largest = fmaxf(largest, values[b]);
+    }
+    return largest;
 }
 
 static const float *side_radiance(const igi_problem *p, const float *radiance, const igi_hit *hit)
@@ -21,21 +28,23 @@ static bool is_lamp(const igi_problem *p, uint32_t triangle)
     return p->scene->regions[p->scene->mesh.regions[triangle]].emitter;
 }
 
-/* One lamp by one sample, weighted against the lobe's own chance to find it (balance heuristic). */
-static void add_lamp(const igi_problem *p, const igi_lobe *lobe, size_t light, igi_vec point,
-                     igi_vec normal, igi_vec out, igi_rng *rng, float *radiance)
+/* One lamp by one sample, weighted against the lobe's own chance to find it (balance heuristic).
+ * Returns the rays it cost. */
+static int add_lamp(const igi_problem *p, const igi_lobe *lobe, size_t light, igi_vec point,
+                    igi_vec normal, igi_vec out, igi_rng *rng, float *radiance)
 {
     igi_light_sample s;
     float u = igi_rng_float(rng), v = igi_rng_float(rng);
-    if (!igi_light_sample_toward(p->lighting, light, point, u, v, &s)) return;
+    if (!igi_light_sample_toward(p->lighting, light, point, u, v, &s)) return 0;
     igi_vec in = igi_to_local(s.direction, normal);
-    if (in.z <= 0) return;
-    if (igi_light_hidden(p->tracer, point, &s)) return;
-    float share = 1;
+    float values[IGI_MAX_BANDS], share = 1;
+    if (in.z <= 0) return 0;
+    if (lobe_values(lobe, p->bands, in, out, values) < NOTHING) return 0;
+    if (igi_light_hidden(p->tracer, point, &s)) return 1;
     if (s.pdf > 0) share = s.pdf / (s.pdf + igi_lobe_pdf(lobe->model, lobe->alpha, in, out));
     for (int b = 0; b < p->bands; b++)
-        radiance[b] += lobe_value(lobe, b, in, out) * in.z * s.weight * share *
-                       (float)p->lights[light].value[b];
+        radiance[b] += values[b] * in.z * s.weight * share * (float)p->lights[light].value[b];
+    return 1;
 }
 
 /* A place and a direction in which light leaves it. */
@@ -89,7 +98,9 @@ static int add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, const
     } else {
         rays += add_met(f, e->point, direction, &hit, deep, rng, met);
     }
-    for (int b = 0; b < p->bands; b++) sum[b] += lobe_value(lobe, b, in, e->out) * weight * met[b];
+    float values[IGI_MAX_BANDS];
+    (void)lobe_values(lobe, p->bands, in, e->out, values);
+    for (int b = 0; b < p->bands; b++) sum[b] += values[b] * weight * met[b];
     return rays;
 }
 
@@ -99,9 +110,10 @@ static int lobe_radiance(const igi_radiance_field *f, const igi_lobe *lobe, cons
 {
     if (e->out.z <= 0) return 0;
     size_t lights = lamps ? igi_lighting_count(f->problem->lighting) : 0;
+    int rays = 0;
     for (size_t l = 0; l < lights; l++)
-        add_lamp(f->problem, lobe, l, e->point, e->normal, e->out, rng, lamps);
-    return (int)lights + add_lobe_ray(f, lobe, e, deep, rng, lamps, surfaces);
+        rays += add_lamp(f->problem, lobe, l, e->point, e->normal, e->out, rng, lamps);
+    return rays + add_lobe_ray(f, lobe, e, deep, rng, lamps, surfaces);
 }
 
 int igi_lobe_radiance(const igi_radiance_field *field, const igi_lobe *lobe, igi_vec point,
