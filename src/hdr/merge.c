@@ -126,7 +126,8 @@ static void note_residual(accumulator *acc, double u)
 /* One pixel of a photograph: its exposures, and those that the longer photographs predict. */
 typedef struct sight {
     float x[3], fade[3], predicted[3]; /* predicted: x where nothing is known yet */
-    float low[3], high[3];             /* of the pixels that x was read between */
+    bool between;
+    float low[3], high[3]; /* if so, of the pixels that x was read between */
     bool known[3];
 } sight;
 
@@ -158,7 +159,7 @@ static inline bool look(const accumulator *acc, const igi_photo *photo,
     const uint16_t *codes = photo->codes + at * (size_t)acc->channels;
     const float *curve = response->exposure;
     for (int c = 0; c < acc->channels; c++, curve += response->levels) {
-        s->x[c] = s->low[c] = s->high[c] = curve[codes[c]];
+        s->x[c] = curve[codes[c]];
         s->fade[c] = acc->fade[codes[c]];
     }
     return true;
@@ -210,7 +211,7 @@ static bool has_moved(const accumulator *acc, const sight *s, double h, const fl
         float x = s->x[c], predicted = s->predicted[c];
         float high = x > predicted ? x : predicted, off = fabsf(x - predicted);
         if (high < MOVED_LEAST || off < share * high) continue;
-        if (predicted >= s->low[c] && predicted <= s->high[c])
+        if (s->between && predicted >= s->low[c] && predicted <= s->high[c])
             continue; /* an edge between pixels */
         if (!s->known[c] || s->fade[c] < 1) continue;
         double weight = (double)pixel[2 * acc->channels - c];
@@ -254,7 +255,7 @@ void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_res
             acc->weight[c][i] = (float)(h * h / (double)acc->noise[c][i]);
     acc->saturated = acc->samples = acc->moved = 0;
     bool whole = igi_shift_is_whole(shift);
-    sight s;
+    sight s = {.between = !whole};
     for (int y = 0; y < acc->image->height; y++)
         for (int x = 0; x < acc->image->width; x++) {
             if (!(whole ? look(acc, photo, response, x, y, shift, &s)

@@ -36,6 +36,8 @@
 /* Of the disagreement at edges, what a motion may leave: true ones leave .05 to .65, the
  * memorial church's scanned film .73 and more. */
 #define MOST_LEFT .7
+/* Of the places; fewer that are well exposed in both photographs cannot tell a motion. */
+#define LEAST_SHARE .05
 #define FEWEST 100 /* places, to tell anything */
 #define UNKNOWNS 4 /* x, y, turn, scale */
 
@@ -58,18 +60,18 @@ typedef struct motion {
     size_t count; /* of places that told */
 } motion;
 
-/* The mean over the block whose first pixel is (x,y). */
+/* The mean over the block whose first pixel is (x,y), or over every second pixel of a large one. */
 static float block_at(const igi_photo *photo, const float *values, const matcher *m, int x, int y)
 {
-    int n = m->block;
+    int n = m->block, step = n > 4 ? 2 : 1, across = n / step;
     float sum = 0;
     if (x < 0 || y < 0 || x + n > photo->width || y + n > photo->height) return NAN;
-    for (int v = y; v < y + n; v++) {
+    for (int v = y; v < y + n; v += step) {
         size_t row = (size_t)v * (size_t)photo->width;
-        for (int u = x; u < x + n; u++)
+        for (int u = x; u < x + n; u += step)
             sum += values[photo->codes[(row + (size_t)u) * (size_t)photo->channels + m->channel]];
     }
-    return sum / (float)(n * n);
+    return sum / (float)(across * across);
 }
 
 static float interpolate(const matcher *m, double x, double y)
@@ -163,7 +165,7 @@ static bool follow(matcher *m, motion *found)
     int least = m->a->width < m->a->height ? m->a->width : m->a->height;
     for (m->block = 8; m->block > 1; m->block /= 2) {
         double step = HUGE_VAL;
-        m->places = PLACES * 2 / m->block;
+        m->places = m->block > 2 ? PLACES / 4 : PLACES;
         if (m->block > 2 && least < 32 * m->block) continue;
         found->scale = 0;
         for (int round = 0; round < MOST_ROUNDS && step > SETTLED * m->block; round++)
@@ -179,6 +181,8 @@ static bool explains(const matcher *m, const motion *found)
     sums before, after;
     look(m, &none, &before);
     look(m, &moved, &after);
+    double places = fmin(m->places, (double)m->a->width * m->a->height);
+    if ((double)none.count < LEAST_SHARE * places || moved.count == 0) return false;
     return after.edges / (double)moved.count < MOST_LEFT * before.edges / (double)none.count;
 }
 
