@@ -20,10 +20,12 @@
 typedef struct job {
     const igi_radiance_field *field;
     const igi_rows *rows;
-    int photons; /* of a side */
     uint64_t round;
-    uint32_t *met; /* [rows][photons] the row that each arrives at, or IGI_NO_ROW */
-    float *flux;   /* [rows][photons][bands] */
+    size_t count;     /* of rows that have a lobe, */
+    uint32_t *glossy; /* [count] these */
+    int photons;      /* of each */
+    uint32_t *met;    /* [count][photons] the row that each arrives at, or IGI_NO_ROW */
+    float *flux;      /* [count][photons][bands] */
 } job;
 
 static const igi_lobe *lobe_of(const job *j, size_t row)
@@ -81,15 +83,12 @@ static igi_status send_rows(igi_context *ctx, void *user, size_t task, int worke
     const job *j = user;
     uint64_t rays = 0;
     size_t end = (task + 1) * ROWS_A_TASK, each = (size_t)j->photons;
-    if (end > j->rows->count) end = j->rows->count;
-    for (size_t row = task * ROWS_A_TASK; row < end; row++) {
-        igi_rng rng = igi_rng_make(igi_seed(ctx) + 0x9407 + j->round, row);
-        bool dark = lobe_of(j, row)->model == IGI_LAMBERT;
-        for (size_t k = row * each; k < (row + 1) * each; k++)
-            if (dark) j->met[k] = IGI_NO_ROW;
-            else
-                rays += send(j, row, &rng, &j->met[k],
-                             j->flux + k * (size_t)j->field->problem->bands);
+    if (end > j->count) end = j->count;
+    for (size_t i = task * ROWS_A_TASK; i < end; i++) {
+        igi_rng rng = igi_rng_make(igi_seed(ctx) + 0x9407 + j->round, j->glossy[i]);
+        for (size_t k = i * each; k < (i + 1) * each; k++)
+            rays += send(j, j->glossy[i], &rng, &j->met[k],
+                         j->flux + k * (size_t)j->field->problem->bands);
     }
     igi_count_rays(ctx, rays);
     return IGI_OK;
@@ -101,16 +100,17 @@ igi_status igi_lobe_photons_add(igi_context *ctx, const igi_radiance_field *fiel
     const igi_problem *p = field->problem;
     igi_status status = IGI_OK;
     job j = {.field = field, .rows = rows, .round = round};
-    size_t bands = (size_t)p->bands, glossy = 0;
-    for (size_t row = 0; row < rows->count; row++) glossy += lobe_of(&j, row)->model != 0;
-    if (glossy == 0 || igi_lighting_count(p->lighting) == 0) return IGI_OK;
-    j.photons = (int)(PHOTONS / (round == 0 ? FIRST_SHARE : 1) / glossy) + 1;
+    size_t bands = (size_t)p->bands, wanted = PHOTONS / (round == 0 ? FIRST_SHARE : 1);
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, rows->count, &j.glossy));
+    for (size_t row = 0; row < rows->count; row++)
+        if (lobe_of(&j, row)->model != IGI_LAMBERT) j.glossy[j.count++] = (uint32_t)row;
+    if (j.count == 0 || igi_lighting_count(p->lighting) == 0) goto cleanup;
+    j.photons = (int)(wanted / j.count) + 1;
     if (j.photons > MOST_PHOTONS) j.photons = MOST_PHOTONS;
-    size_t count = rows->count * (size_t)j.photons;
+    size_t count = j.count * (size_t)j.photons;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, count, &j.met));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, count * bands, &j.flux));
-    IGI_TRY_GOTO(
-        igi_parallel_for(ctx, (rows->count + ROWS_A_TASK - 1) / ROWS_A_TASK, send_rows, &j));
+    IGI_TRY_GOTO(igi_parallel_for(ctx, (j.count + ROWS_A_TASK - 1) / ROWS_A_TASK, send_rows, &j));
     for (size_t k = 0; k < count; k++) {
         if (j.met[k] == IGI_NO_ROW) continue;
         float area = p->patches->area[rows->side[j.met[k]] >> 1];
@@ -118,6 +118,7 @@ igi_status igi_lobe_photons_add(igi_context *ctx, const igi_radiance_field *fiel
             received[j.met[k] * bands + b] += j.flux[k * bands + b] / area;
     }
 cleanup:
+    igi_free(j.glossy);
     igi_free(j.met);
     igi_free(j.flux);
     return status;
