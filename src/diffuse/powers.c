@@ -19,8 +19,12 @@
 #define LEAST_VALUE 1e-3 /* in units; what is less may as well be nothing */
 #define FIRST_SCATTER 1e-4
 #define LEAST_SCATTER 1e-8
-#define SHRINKING 4.0     /* so many cells' worth of the other regions' scatter */
-#define OUTLIER_SIGMAS 4  /* beyond that a cell counts less (Huber) */
+#define SHRINKING 4.0    /* so many cells' worth of the other regions' scatter */
+#define OUTLIER_SIGMAS 4 /* beyond that a cell counts less (Huber) */
+#define EQUAL_STEPS \
+    30              /* before regions weigh by their scatter: of a guess, those that an unknown
+                             light reaches fit worst, and would never be listened to */
+#define NEARLY 0.01 /* steps so small may as well be weighed at once */
 #define ADAPTING_STEPS 20 /* then weights stay, so that the steps settle */
 
 static bool bands_are_tied(igi_light_type type)
@@ -223,6 +227,18 @@ static void guess_units(igi_powers *p)
     }
 }
 
+/* A guess that the photographs have left far behind was wrong by its albedo: it must not hold the
+ * value back. */
+static void guess_again(igi_powers *p)
+{
+    for (size_t v = 0; v < p->count; v++) {
+        igi_power_variable *var = &p->variables[v];
+        if (var->guess_std < IGI_GUESS_STD || !(var->value > IGI_GUESS_STD)) continue;
+        var->unit *= var->value;
+        var->value = 1;
+    }
+}
+
 /* 1 / albedo of the regions, and the mean over each of what the lights' shares of the light are. */
 static void average_regions(igi_powers *p)
 {
@@ -350,8 +366,11 @@ static void weigh_again(igi_powers *p)
 double igi_powers_step(igi_powers *p, const igi_places *places)
 {
     double change = 0;
+    bool adapts = p->adapted < ADAPTING_STEPS && (p->adapted > 0 || p->steps >= EQUAL_STEPS ||
+                                                  (p->steps > 0 && p->change < NEARLY));
     fill_received(p, places);
     if (p->steps == 0) guess_units(p);
+    guess_again(p);
     average_regions(p);
     assemble(p);
     solve_within(p);
@@ -365,9 +384,13 @@ double igi_powers_step(igi_powers *p, const igi_places *places)
                 p->problem->lights[var->light].value[b] = var->value * var->unit;
     }
     /* Unseen surfaces answer with what they reflect, one sweep later: that may overshoot. */
-    if (p->steps > 0 && change > 0.9 * p->change) p->boldness = fmax(0.5 * p->boldness, 1.0 / 64);
+    if (p->steps > 0 && !adapts && change > 0.9 * p->change)
+        p->boldness = fmax(0.5 * p->boldness, 1.0 / 64);
     p->change = change;
     average_regions(p);
-    if (p->steps++ < ADAPTING_STEPS) weigh_again(p);
+    if (adapts) weigh_again(p);
+    p->adapted += adapts;
+    p->steps++;
+    if (p->adapted < ADAPTING_STEPS) return fmax(change, 1); /* not done yet */
     return change;
 }

@@ -25,7 +25,7 @@ typedef struct igi_power_variable {
 struct igi_powers {
     const igi_problem *problem;
     const igi_rows *rows;
-    size_t bands, regions, columns, count, steps;
+    size_t bands, regions, columns, count, steps, adapted;
     double boldness, change;       /* share of a step that is taken; the last step */
     igi_power_variable *variables; /* [count] */
     igi_cells cells;
