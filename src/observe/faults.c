@@ -9,6 +9,7 @@
  */
 #include "observe/faults.h"
 
+#include "observe/alignment.h"
 #include "observe/glare.h"
 
 #include "base/order.h"
@@ -33,7 +34,6 @@
 #define OFF_SIGMAS 4.0
 #define ALL_OFF_PX 0.6
 #define KNOWN_PX 0.3 /* error of an offset that counts for all */
-#define FEWEST_KNOWN 3
 
 static double offset_of(const igi_registration *r)
 {
@@ -53,8 +53,10 @@ static igi_status find_offsets(igi_context *ctx, const igi_observations *o, igi_
         f->frames[i].off = offset_of(r) > OFF_PX + OFF_SIGMAS * r->offset_error;
     }
     if (n > 0) f->offset_px = igi_median(offsets, n);
-    f->all_off = n >= FEWEST_KNOWN && f->offset_px > ALL_OFF_PX;
     igi_free(offsets);
+    igi_alignment all;
+    IGI_TRY(igi_alignment_judge(ctx, o->registrations, f->frame_count, &all));
+    f->all_off = all.all_off && f->offset_px > ALL_OFF_PX;
     return IGI_OK;
 }
 

@@ -6,17 +6,52 @@
 #include <math.h>
 #include <string.h>
 
-static igi_status is_needed(igi_context *ctx, const igi_observations *o, igi_registering when,
-                            bool *needed)
+/* One camera off among cameras that are right must convince: its edges come this much nearer. Shadows
+ * and what is mirrored pass for edges, and a few of them find a camera that suits them. */
+#define ALONE_LEAVES .5
+
+/* Edges lie up to .25 pixels off where cameras and mesh are exact; a mesh that is off by no more is not
+ * worth a word. */
+#define WORTH_A_WORD_PX .3
+
+typedef enum need { NOBODY, SOME, ALL } need;
+
+static igi_status find_need(igi_context *ctx, const igi_observations *o, igi_registering when,
+                            need *who)
 {
     igi_alignment a;
-    *needed = when == IGI_REGISTER_ALWAYS;
+    *who = when == IGI_REGISTER_ALWAYS ? ALL : NOBODY;
     if (when != IGI_REGISTER_AUTO) return IGI_OK;
     IGI_TRY(igi_alignment_judge(ctx, o->registrations, o->frame_count, &a));
-    *needed = a.all_off;
     for (size_t i = 0; i < o->frame_count; i++)
-        *needed = *needed || igi_registration_is_off(&o->registrations[i]);
+        if (igi_registration_is_off(&o->registrations[i])) *who = SOME;
+    if (a.all_off) *who = ALL;
     return IGI_OK;
+}
+
+/* Where only some seem to be off, the others stay, and nothing is said of the mesh. */
+static void keep_right_ones(const igi_scene *given, const igi_observations *o, igi_poses *p)
+{
+    igi_registered *r = p->registered;
+    if (r->lens) return;
+    r->mesh_is_off = false;
+    for (size_t i = 0; i < r->frame_count; i++) {
+        igi_registered_frame *f = &r->frames[i];
+        if (!f->moved || (igi_registration_is_off(&o->registrations[i]) &&
+                          f->after_px < ALONE_LEAVES * f->before_px))
+            continue;
+        p->scene.frames[i].camera = given->frames[i].camera;
+        f->moved = false;
+        f->after_px = f->before_px;
+        f->moved_px = 0;
+    }
+}
+
+/* What registering found no better camera for is no camera that is off. */
+static void clear_refuted(const igi_registered *r, igi_observations *o)
+{
+    for (size_t i = 0; i < r->frame_count; i++)
+        if (!r->frames[i].moved) o->registrations[i] = (igi_registration){0};
 }
 
 static size_t count_moved(const igi_registered *r)
@@ -76,7 +111,7 @@ static igi_status say(igi_context *ctx, const igi_registered *r, const igi_scene
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
-/* *poses: NULL where there is nothing to say. */
+/* *poses: NULL where too few edges tell. */
 static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **poses)
 {
     igi_status status = IGI_OK;
@@ -90,12 +125,11 @@ static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **pos
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &p->scene.frames));
     memcpy(p->scene.frames, scene->frames, scene->frame_count * sizeof *scene->frames);
     status = igi_register(ctx, &p->scene, &options, &p->registered);
-    if (status == IGI_E_NO_ANSWER) { /* too few edges: they stay as given */
+    if (status == IGI_E_NO_ANSWER) { /* they stay as given */
         status = IGI_OK;
         goto cleanup;
     }
     IGI_TRY_GOTO(status);
-    if (count_moved(p->registered) == 0 && !p->registered->mesh_is_off) goto cleanup;
     *poses = p;
     p = NULL;
 cleanup:
@@ -109,21 +143,26 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
     igi_status status = IGI_OK;
     igi_observations *again = NULL;
     igi_poses *p = NULL;
-    bool needed;
+    need who;
     *poses = NULL;
-    IGI_TRY(is_needed(ctx, *observations, when, &needed));
-    if (!needed) return IGI_OK;
+    IGI_TRY(find_need(ctx, *observations, when, &who));
+    if (who == NOBODY) return IGI_OK;
     IGI_TRY_GOTO(find(ctx, scene, &p));
     if (!p) goto cleanup;
-    if (p->registered->mesh_is_off) IGI_TRY_GOTO(say_mesh(ctx, p->registered, *observations));
+    if (who == SOME) keep_right_ones(scene, *observations, p);
+    if (count_moved(p->registered) > 0) {
+        igi_stage_begin(ctx, "observe");
+        IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
+        IGI_TRY_GOTO(say(ctx, p->registered, &p->scene, again));
+        igi_observations_destroy(*observations);
+        *observations = again;
+        again = NULL;
+    }
+    if ((*observations)->registrations) clear_refuted(p->registered, *observations);
+    if (p->registered->mesh_is_off && p->registered->before_px > WORTH_A_WORD_PX)
+        IGI_TRY_GOTO(say_mesh(ctx, p->registered, *observations));
     if (count_moved(p->registered) == 0) goto cleanup;
-    igi_stage_begin(ctx, "observe");
-    IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
-    IGI_TRY_GOTO(say(ctx, p->registered, &p->scene, again));
-    igi_observations_destroy(*observations);
-    *observations = again;
     *poses = p;
-    again = NULL;
     p = NULL;
 cleanup:
     igi_observations_destroy(again);

@@ -13,6 +13,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A file or folder that the manifest names. */
 static igi_status named_path(igi_context *ctx, const igi_json *at, igi_scene *scene, char **path)
@@ -163,7 +164,7 @@ igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **sc
         IGI_TRY_GOTO(igi_strdup(context, path, &s->folder));
         for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; n--) s->folder[n - 1] = 0;
         IGI_TRY_GOTO(igi_path_join(context, path, "scene.json", &manifest));
-        if (!igi_file_exists(manifest)) IGI_TRY_GOTO(fail_without_manifest(context, path));
+        if (access(manifest, F_OK) != 0) IGI_TRY_GOTO(fail_without_manifest(context, path));
     } else {
         IGI_TRY_GOTO(igi_path_folder(context, path, &s->folder));
         IGI_TRY_GOTO(igi_strdup(context, path, &manifest));

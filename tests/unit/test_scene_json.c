@@ -224,11 +224,12 @@ static void no_file(void)
 {
     igi_status status;
     fixture_folder = "scratch_scene_nowhere";
-    CHECK_STR(load_sentence(&status), "scratch_scene_nowhere: no such file; check the path");
+    CHECK_STR(load_sentence(&status),
+              "scratch_scene_nowhere: no such file or folder; check the path");
     CHECK(status == IGI_E_DATA);
     write_fixture(FOLDER);
     (void)unlink(FOLDER "/scene.json");
-    CHECK_REFUSED(IGI_E_DATA, FOLDER "/scene.json: no such file");
+    CHECK_REFUSED(IGI_E_DATA, FOLDER ": no scene.json in it; give the folder that has one");
     (void)mkdir(FOLDER "/scene.json", 0777);
     CHECK_REFUSED(IGI_E_SYSTEM, FOLDER "/scene.json: not a plain file");
     (void)rmdir(FOLDER "/scene.json");
