@@ -8,6 +8,7 @@
 #include "observe/saturation.h"
 #include "recover/choice.h"
 #include "recover/doubts.h"
+#include "recover/findings.h"
 #include "recover/poses.h"
 #include "specular/specular.h"
 #include "specular/yu99.h"
@@ -27,13 +28,6 @@
  * where surfaces shine, more photographs do not lower the error that is stated without lobes. */
 #define ATTEMPTS 2
 #define SHARPER 4
-
-/* No dielectric mirrors more of light that falls on it at right angles (diamond .17, rutile .2); metals
- * do, and nothing comes back from inside of them. */
-#define METAL_SPECULAR 0.25
-
-/* rho_s of plastic and varnish; less goes without saying. */
-#define WORTH_A_WORD 0.03
 
 const char *igi_method_name(igi_method method)
 {
@@ -74,177 +68,6 @@ static igi_method_fn method_function(igi_method method)
     return NULL;
 }
 
-/* Share of each region's area that photographs show, and how many photographs show it. */
-static igi_status measure_coverage(igi_context *ctx, const igi_problem *p, igi_materials *m)
-{
-    size_t regions = p->scene->region_count;
-    double *area;
-    IGI_TRY(IGI_ALLOC(ctx, regions, &area));
-    for (uint32_t patch = 0; patch < p->patches->count; patch++) {
-        if (p->patches->triangle[patch] == IGI_NO_HIT) continue;
-        uint32_t r = igi_patch_region(p->patches, patch);
-        double a = (double)p->patches->area[patch];
-        area[r] += a;
-        if (igi_problem_seen_count(p, 2 * patch) + igi_problem_seen_count(p, 2 * patch + 1) > 0)
-            m->materials[r].observed += a;
-    }
-    for (size_t r = 0; r < regions; r++)
-        if (area[r] > 0) m->materials[r].observed /= area[r];
-    igi_free(area);
-    const igi_observations *o = p->observations;
-    bool *shown;
-    IGI_TRY(IGI_ALLOC(ctx, regions, &shown));
-    for (size_t f = 0; f < o->frame_count; f++) {
-        memset(shown, 0, regions * sizeof *shown);
-        for (size_t i = o->frame_begin[f]; i < o->frame_begin[f + 1]; i++)
-            shown[p->scene->mesh.regions[igi_surface_triangle(o->surface[i])]] = true;
-        for (size_t r = 0; r < regions; r++) m->materials[r].views += shown[r];
-    }
-    igi_free(shown);
-    return IGI_OK;
-}
-
-static igi_status make_material(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
-                                size_t region, igi_material *m)
-{
-    const igi_region *r = &p->scene->regions[region];
-    IGI_TRY(igi_strdup(ctx, r->name, &m->region));
-    m->emitter = r->emitter;
-    m->model = IGI_LAMBERT;
-    m->determined = d->determined[region];
-    for (int b = 0; b < p->bands; b++) {
-        m->albedo[b] = d->albedo[region][b];
-        m->albedo_std[b] = d->albedo_std[region][b];
-    }
-    if (r->emitter || m->determined) return IGI_OK;
-    char *sentence;
-    IGI_TRY(
-        igi_strprintf(ctx, &sentence,
-                      "no photograph determines it: the albedo is a guess from the other regions; "
-                      "add a photograph that shows it"));
-    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
-}
-
-/* A lobe that was overlooked is at most so strong; worth a word where that is as much as varnish. */
-static igi_status set_bound(igi_context *ctx, const igi_lobe_doubt *doubt, int bands,
-                            igi_material *m)
-{
-    double bound = doubt->bound;
-    for (int b = 0; b < bands; b++) bound = fmin(bound, fmax(0, 1 - m->albedo[b]));
-    m->specular_std = bound / IGI_BOUND_SIGMAS;
-    if (bound < WORTH_A_WORD) return IGI_OK;
-    char *sentence;
-    IGI_TRY(igi_strprintf(ctx, &sentence,
-                          "no view sees a highlight: specular is a bound, not an estimate: at most "
-                          "%.2g for alpha up to %g; add a photograph of a lamp mirrored in it",
-                          bound, (double)IGI_BOUND_ALPHA));
-    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
-}
-
-static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int bands, igi_material *m)
-{
-    m->model = e->model;
-    m->specular = e->specular;
-    m->specular_std = e->specular_std;
-    m->alpha = e->alpha;
-    m->alpha_std = e->alpha_std;
-    for (int b = 0; b < bands; b++) m->specular_rgb[b] = e->specular;
-    char *sentence;
-    if (e->alpha < (double)IGI_SHARP_ALPHA && e->alpha < IGI_BOUND_SIGMAS * e->alpha_std) {
-        IGI_TRY(igi_strprintf(
-            ctx, &sentence,
-            "its highlight is sharper than the photographs resolve: alpha is a bound, "
-            "not an estimate: at most %.2g",
-            e->alpha + IGI_BOUND_SIGMAS * e->alpha_std));
-        IGI_TRY(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
-    }
-    if (e->broader != IGI_LAMBERT) {
-        IGI_TRY(igi_strprintf(
-            ctx, &sentence,
-            "its highlights are too broad to tell lobes' families apart: %s's, with "
-            "alpha above %g, may fit as well: specular and alpha are those of %s's",
-            igi_model_name(e->broader), IGI_FIT_ALPHA_HIGH, igi_model_name(e->model)));
-        IGI_TRY(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
-    }
-    if (e->rival == IGI_LAMBERT) return IGI_OK;
-    IGI_TRY(igi_strprintf(ctx, &sentence,
-                          "its highlights have the shape of %s's lobe rather than %s's, which was "
-                          "asked for: specular and alpha are those of the wrong family; use "
-                          "--model auto",
-                          igi_model_name(e->rival), igi_model_name(e->model)));
-    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
-}
-
-/* A metal's diffuse part must be asked for: where its standard deviation allows for none, there is none. */
-static igi_status drop_metals_diffuse(igi_context *ctx, int bands, igi_material *m)
-{
-    double most = 0;
-    if (m->model == IGI_LAMBERT || m->specular < METAL_SPECULAR || m->textured) return IGI_OK;
-    for (int b = 0; b < bands; b++) {
-        if (m->albedo[b] > IGI_BOUND_SIGMAS * m->albedo_std[b]) return IGI_OK;
-        most = fmax(most,
-                    fmin(1 - m->specular, m->albedo[b] + IGI_BOUND_SIGMAS * m->albedo_std[b]));
-    }
-    for (int b = 0; b < bands; b++) m->albedo[b] = 0;
-    char *sentence;
-    IGI_TRY(igi_strprintf(ctx, &sentence,
-                          "it mirrors as much as metals alone do, and what is seen beside its lobe "
-                          "leaves open whether there is a diffuse part (at most %.2g): none is "
-                          "assumed",
-                          fmax(0, most)));
-    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
-}
-
-static igi_status make_materials(igi_context *ctx, const igi_problem *p, const igi_diffuse *d,
-                                 const igi_specular *s, igi_materials **materials)
-{
-    igi_status status = IGI_OK;
-    igi_materials *m = NULL;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &m));
-    IGI_TRY_GOTO(igi_strdup(ctx, p->scene->name, &m->scene));
-    m->bands = p->bands;
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->region_count, &m->materials));
-    m->count = p->scene->region_count;
-    for (size_t r = 0; r < m->count; r++)
-        IGI_TRY_GOTO(make_material(ctx, p, d, r, &m->materials[r]));
-    for (size_t r = 0; s && r < m->count; r++) {
-        igi_material *one = &m->materials[r];
-        if (one->emitter) continue;
-        if (s->estimates[r].model != IGI_LAMBERT)
-            IGI_TRY_GOTO(set_lobe(ctx, &s->estimates[r], p->bands, one));
-        else if (s->doubts && one->determined)
-            IGI_TRY_GOTO(set_bound(ctx, &s->doubts[r], p->bands, one));
-    }
-    IGI_TRY_GOTO(measure_coverage(ctx, p, m));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->lights));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, p->scene->light_count, &m->light_std));
-    m->light_count = p->scene->light_count;
-    for (size_t k = 0; k < p->light_count; k++) {
-        size_t l = p->light_of[k];
-        if (k > 0 && p->light_of[k - 1] == l) continue; /* another band of an environment */
-        bool split = p->scene->lights[l].type == IGI_LIGHT_ENV;
-        m->lights[l] = split ? p->scene->lights[l] : p->lights[k];
-        m->lights[l].file = NULL;
-        if (p->lights[k].file) IGI_TRY_GOTO(igi_strdup(ctx, p->lights[k].file, &m->lights[l].file));
-        memcpy(m->light_std[l], p->light_std[k], sizeof m->light_std[l]);
-    }
-    for (size_t i = 0; i < p->observations->warning_count; i++) {
-        char *sentence;
-        IGI_TRY_GOTO(igi_strdup(ctx, p->observations->warnings[i], &sentence));
-        IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
-    }
-    for (size_t i = 0; i < d->warning_count; i++) {
-        char *sentence;
-        IGI_TRY_GOTO(igi_strdup(ctx, d->warnings[i], &sentence));
-        IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
-    }
-    *materials = m;
-    m = NULL;
-cleanup:
-    igi_materials_destroy(m);
-    return status;
-}
-
 /* The rays that each region was given by the method, where it keeps its rows. */
 static void count_gathered(const igi_problem *p, const igi_rows *rows,
                            igi_region_evidence *evidence)
@@ -269,7 +92,7 @@ static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_d
     IGI_TRY_GOTO(
         igi_maps_create(ctx, problem, field, layout, recovery->materials, recovery->evidence));
     for (size_t r = 0; r < recovery->materials->count; r++)
-        IGI_TRY_GOTO(drop_metals_diffuse(ctx, problem->bands, &recovery->materials->materials[r]));
+        IGI_TRY_GOTO(igi_metal_settle(ctx, problem->bands, &recovery->materials->materials[r]));
     IGI_TRY_GOTO(igi_doubts_add(ctx, problem, field, recovery->materials));
     igi_stage_begin(ctx, "compare");
     IGI_TRY_GOTO(igi_compare(ctx, problem, field, layout, recovery));
@@ -313,7 +136,7 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     if (specular) view = igi_specular_view(specular, diffuse);
     if (specular) problem->lobes = &view;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
-    IGI_TRY_GOTO(make_materials(ctx, problem, diffuse, specular, &r->materials));
+    IGI_TRY_GOTO(igi_materials_of(ctx, problem, diffuse, specular, &r->materials));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &r->evidence));
     if (specular && specular->evidence)
         memcpy(r->evidence, specular->evidence, scene->region_count * sizeof *r->evidence);
