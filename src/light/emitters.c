@@ -77,7 +77,7 @@ static void mark_near(const igi_lighting *l, size_t first, size_t count, igi_vec
         float squared = x * x + y * y + z * z;
         float at_light = -(x * p.nx[i] + y * p.ny[i] + z * p.nz[i]);
         float limit = reach * p.area[i], kept = weights[i];
-        weights[i] = (at_light > 0) & (squared <= limit) ? NEAR : kept;
+        weights[i] = ((at_light > 0) & (squared <= limit)) ? NEAR : kept;
     }
 }
 
