@@ -48,6 +48,9 @@ IGI_MUST_USE igi_status igi_strprintf(igi_context *ctx, char **text, const char 
 /* Adds a sentence to a list of them, which owns it from then on; frees it when there is no room. */
 IGI_MUST_USE igi_status igi_add_sentence(igi_context *ctx, char ***list, size_t *count,
                                          char *sentence);
+/* Adds copies of them all. */
+IGI_MUST_USE igi_status igi_copy_sentences(igi_context *ctx, char *const *from, size_t from_count,
+                                           char ***list, size_t *count);
 
 /* For tests: the n-th allocation from now on fails (0: the next); -1: none does. */
 void igi_fail_allocation_after(igi_context *ctx, long n);

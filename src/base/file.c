@@ -65,3 +65,21 @@ igi_status igi_file_save_json(igi_context *ctx, const char *path, const struct j
     fputc('\n', file.stream);
     return igi_file_end(ctx, &file, status);
 }
+
+void igi_put_escaped(FILE *stream, const char *text)
+{
+    for (; *text; text++) switch (*text) {
+        case '<': fputs("&lt;", stream); break;
+        case '>': fputs("&gt;", stream); break;
+        case '&': fputs("&amp;", stream); break;
+        case '"': fputs("&quot;", stream); break;
+        default:
+            if ((unsigned char)*text >= ' ' || strchr("\t\n\r", *text)) putc(*text, stream);
+        }
+}
+
+const char *igi_file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}

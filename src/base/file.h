@@ -34,4 +34,10 @@ IGI_MUST_USE igi_status igi_file_save_json(igi_context *ctx, const char *path,
  * libraries write. */
 igi_status igi_fail_writing(igi_context *ctx, const char *path);
 
+/* Text as XML and HTML hold it, in quotes or outside; what no XML may hold is left out. */
+void igi_put_escaped(FILE *stream, const char *text);
+
+/* A path's last part. */
+const char *igi_file_name(const char *path);
+
 #endif

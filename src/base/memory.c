@@ -87,6 +87,17 @@ igi_status igi_add_sentence(igi_context *ctx, char ***list, size_t *count, char 
     return IGI_OK;
 }
 
+igi_status igi_copy_sentences(igi_context *ctx, char *const *from, size_t from_count, char ***list,
+                              size_t *count)
+{
+    for (size_t i = 0; i < from_count; i++) {
+        char *copy;
+        IGI_TRY(igi_strdup(ctx, from[i], &copy));
+        IGI_TRY(igi_add_sentence(ctx, list, count, copy));
+    }
+    return IGI_OK;
+}
+
 void igi_free(void *pointer)
 {
     free(pointer);

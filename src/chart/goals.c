@@ -74,8 +74,7 @@ static double find_goal(const chart_sweep *sweep, const chart_goal *goal,
     return is_share(goal->measure) ? sum / (double)count : igi_median(values, count);
 }
 
-static igi_status add_goal(igi_context *ctx, igi_stability *all, double limit, double found,
-                           bool at_least, char *what)
+static void add_goal(igi_stability *all, double limit, double found, bool at_least, char *what)
 {
     igi_stability_goal *goal = &all->goals[all->goal_count++];
     *goal = (igi_stability_goal){.what = what,
@@ -83,7 +82,6 @@ static igi_status add_goal(igi_context *ctx, igi_stability *all, double limit, d
                                  .found = found,
                                  .at_least = at_least,
                                  .met = at_least ? found >= limit : found <= limit};
-    return what ? IGI_OK : igi_fail(ctx, IGI_E_SYSTEM, "no memory for a sentence");
 }
 
 static igi_status judge_sweep(igi_context *ctx, const chart_sweep *s, chart_trial *const *trials,
@@ -99,7 +97,7 @@ static igi_status judge_sweep(igi_context *ctx, const chart_sweep *s, chart_tria
         if (isnan(found)) continue; /* the small edition has fewer severities */
         IGI_TRY(igi_strprintf(ctx, &what, "%s, %s %g%s%s: %s", s->name, s->label, goal->at,
                               s->unit[0] ? " " : "", s->unit, words[goal->measure]));
-        IGI_TRY(add_goal(ctx, all, goal->limit, found, is_share(goal->measure), what));
+        add_goal(all, goal->limit, found, is_share(goal->measure), what);
     }
     return IGI_OK;
 }
@@ -131,10 +129,10 @@ igi_status chart_goals_judge(igi_context *ctx, const chart_sweep *sweeps, size_t
     char *what;
     IGI_TRY_GOTO(igi_strdup(ctx, "silent failures, of all cases", &what));
     double silent = all->cases ? (double)all->silent / (double)all->cases : 0;
-    IGI_TRY_GOTO(add_goal(ctx, all, MOST_SILENT, silent, false, what));
+    add_goal(all, MOST_SILENT, silent, false, what);
     IGI_TRY_GOTO(igi_strdup(
         ctx, "severities before a breakdown that hold less than 90 % of the intervals", &what));
-    IGI_TRY_GOTO(add_goal(ctx, all, 0, uncovered(all), false, what));
+    add_goal(all, 0, uncovered(all), false, what);
 cleanup:
     igi_free(values);
     return status;

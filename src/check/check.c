@@ -110,17 +110,6 @@ static igi_status describe_photos(const igi_case *c)
     return IGI_OK;
 }
 
-/* Recovery's own warnings, which the observations hold. */
-static igi_status take_warnings(igi_context *ctx, const igi_observations *o, igi_check *check)
-{
-    for (size_t i = 0; i < o->warning_count; i++) {
-        char *copy;
-        IGI_TRY(igi_strdup(ctx, o->warnings[i], &copy));
-        IGI_TRY(igi_add_sentence(ctx, &check->warnings, &check->warning_count, copy));
-    }
-    return IGI_OK;
-}
-
 /* With the photographs as recovery would use them; with a folder, a page too. */
 static igi_status judge(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
                         igi_observations *o, const char *folder, igi_check *check)
@@ -134,7 +123,8 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, const igi_trac
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, o, &agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, o, agreement, &faults));
     IGI_TRY_GOTO(igi_observations_mend(ctx, scene, agreement, faults, o));
-    IGI_TRY_GOTO(take_warnings(ctx, o, check));
+    IGI_TRY_GOTO(igi_copy_sentences(ctx, o->warnings, o->warning_count, &check->warnings,
+                                    &check->warning_count));
     igi_stage_begin(ctx, "survey");
     IGI_TRY_GOTO(igi_survey_create(ctx, scene, tracer, o, &survey));
     IGI_TRY_GOTO(name_regions(ctx, scene, check));

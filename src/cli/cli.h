@@ -111,5 +111,7 @@ void cli_print_percent(double fraction, int width);
 int cli_text_width(const char *text);
 /* The text and blanks up to `width` characters. */
 void cli_print_padded(const char *text, int width);
+/* A path's last part. */
+const char *cli_file_name(const char *path);
 
 #endif

@@ -12,17 +12,11 @@ static igi_status usage(const char *sentence)
     return IGI_E_USAGE;
 }
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static bool names_differ(const cli_session *s)
 {
     for (int i = 0; i < s->argument_count; i++)
         for (int j = 0; j < i; j++)
-            if (strcmp(base_name(s->arguments[i]), base_name(s->arguments[j])) == 0) {
+            if (strcmp(cli_file_name(s->arguments[i]), cli_file_name(s->arguments[j])) == 0) {
                 fprintf(stderr, "igi: %s and %s would be written to one file; correct them apart\n",
                         s->arguments[j], s->arguments[i]);
                 return false;
@@ -45,7 +39,7 @@ static igi_status correct(cli_session *s, const igi_calibration *calibration, co
         status = IGI_E_DATA;
     }
     if (status == IGI_OK) status = igi_correct(s->context, calibration, image, &corrected, NULL);
-    snprintf(path, sizeof path, "%s/%s", folder, base_name(from));
+    snprintf(path, sizeof path, "%s/%s", folder, cli_file_name(from));
     if (status == IGI_OK) status = igi_image_save_exr(s->context, corrected, IGI_EXR_FLOAT, path);
     igi_image_destroy(corrected);
     igi_image_destroy(image);

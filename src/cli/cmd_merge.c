@@ -75,12 +75,6 @@ static igi_status save_response(cli_session *s, igi_merged *merged)
     return status;
 }
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static void print_json(const cli_session *s, const igi_exposure *exposures,
                        const igi_merged *merged)
 {
@@ -113,14 +107,14 @@ static void print_table(const cli_session *s, const igi_exposure *exposures,
 {
     int width = 5;
     for (size_t i = 0; i < merged->count; i++) {
-        int w = cli_text_width(base_name(exposures[i].path));
+        int w = cli_text_width(cli_file_name(exposures[i].path));
         if (w > width) width = w;
     }
     cli_print_padded("image", width);
     puts("    exposure  used/stated        shift px  saturated      moved");
     for (size_t i = 0; i < merged->count; i++) {
         const igi_merged_frame *f = &merged->frames[i];
-        cli_print_padded(base_name(exposures[i].path), width);
+        cli_print_padded(cli_file_name(exposures[i].path), width);
         printf("  %10.6g  %11.4f  %6.2f, %6.2f  ", f->stated, f->used / f->stated, f->shift_x,
                f->shift_y);
         cli_print_percent(f->saturated, 9);

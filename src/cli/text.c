@@ -71,3 +71,9 @@ void cli_print_padded(const char *text, int width)
 {
     printf("%s%*s", text, width > cli_text_width(text) ? width - cli_text_width(text) : 0, "");
 }
+
+const char *cli_file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}

@@ -21,10 +21,10 @@
 #define LEAST_SCATTER 1e-8
 #define SHRINKING 4.0    /* so many cells' worth of the other regions' scatter */
 #define OUTLIER_SIGMAS 4 /* beyond that a cell counts less (Huber) */
-#define EQUAL_STEPS \
-    30              /* before regions weigh by their scatter: of a guess, those that an unknown
-                             light reaches fit worst, and would never be listened to */
-#define NEARLY 0.01 /* steps so small may as well be weighed at once */
+/* Before regions weigh by their scatter: of a guess, those that an unknown light reaches fit worst, and
+ * would never be listened to. */
+#define EQUAL_STEPS 30
+#define NEARLY 0.01       /* steps so small may as well be weighed at once */
 #define ADAPTING_STEPS 20 /* then weights stay, so that the steps settle */
 
 static bool bands_are_tied(igi_light_type type)

@@ -26,10 +26,10 @@ typedef struct igi_problem {
                           its light falls differently in each */
     size_t *light_of;  /* [light_count] number of the scene's light */
     double (*light_std)[IGI_MAX_BANDS]; /* [light_count] */
-    bool
-        *solved; /* [light_count] neither given nor seen by itself: its value is solved for with the
-                     albedos, in `lights` and `light_std`, from what was read of it if it is known by
-                     then; 0 and not known where it cannot be */
+    /* [light_count] neither given nor seen by itself: its value is solved for with the albedos, in
+     * `lights` and `light_std`, from what was read of it if it is known by then; 0 and not known where
+     * it cannot be */
+    bool *solved;
     int bands;
 
     size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */
@@ -69,10 +69,9 @@ typedef struct igi_correction {
     size_t *view_begin;   /* [2 patches + 1] the photographs that show a side: views
                              view_begin[side]..., in order; the last may stand for several */
     uint32_t *view_frame; /* [views] */
-    float
-        *surfaces; /* [2][views][bands] the lobes' part of what it shows that came from no lamp, by
-                        either half of the rays; */
-    float *lamps;  /* [2][views] and the other part, mean over bands */
+    /* [2][views][bands] the lobes' part of what it shows that came from no lamp, by either half of the
+     * rays; [2][views] and the other part, mean over bands */
+    float *surfaces, *lamps;
 } igi_correction;
 
 /* What a method finds. */

@@ -65,9 +65,8 @@ static igi_status move(igi_context *ctx, const char *from, const char *to)
 /* path "a/room.xml": folder "a/room.xml_files", which the file calls "room.xml_files". */
 static igi_status name_folder(igi_context *ctx, const char *path, char **folder, char **files)
 {
-    const char *slash = strrchr(path, '/');
     IGI_TRY(igi_strprintf(ctx, folder, "%s_files", path));
-    return igi_strprintf(ctx, files, "%s_files", slash ? slash + 1 : path);
+    return igi_strprintf(ctx, files, "%s_files", igi_file_name(path));
 }
 
 static igi_status write_with_folder(igi_exporter *e, const format *f, const char *input,

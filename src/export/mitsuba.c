@@ -6,15 +6,9 @@
  */
 #include "export/export_private.h"
 
-#include <math.h>
+#include "base/file.h"
 
-static void print_name(FILE *f, const char *text)
-{
-    for (; *text; text++) {
-        if (*text == '&') fputs("&amp;", f);
-        else putc(*text, f);
-    }
-}
+#include <math.h>
 
 /* Reflectances above 1 are refused when the file is loaded. */
 static void print_reflectance(FILE *f, const char *key, const double rgb[3], double scale)
@@ -63,9 +57,9 @@ static igi_status print_diffuse(const igi_exporter *e, size_t region, double sca
                 "value=\"true\"/><string name=\"wrap_mode\" value=\"%s\"/>"
                 "<string name=\"filename\" value=\"",
                 e->scene->regions[region].uvs_wrap ? "repeat" : "clamp");
-        print_name(e->file, e->files);
+        igi_put_escaped(e->file, e->files);
         putc('/', e->file);
-        print_name(e->file, name);
+        igi_put_escaped(e->file, name);
         fputs(".exr\"/></texture>", e->file);
         igi_free(name);
     } else {
@@ -112,9 +106,9 @@ static igi_status print_shape(const igi_exporter *e, size_t region)
     IGI_TRY(igi_region_file_name(e->ctx, e->scene->regions[region].name, &name));
     fprintf(f, " <shape type=\"ply\" id=\"region_%zu\">\n  <string name=\"filename\" value=\"",
             region);
-    print_name(f, e->files);
+    igi_put_escaped(f, e->files);
     putc('/', f);
-    print_name(f, name);
+    igi_put_escaped(f, name);
     igi_free(name);
     fputs(".ply\"/><boolean name=\"face_normals\" value=\"true\"/>"
           "<boolean name=\"flip_tex_coords\" value=\"true\"/>\n",
@@ -156,7 +150,7 @@ static igi_status print_sky(const igi_exporter *e, size_t light)
     int size[2];
     IGI_TRY(igi_export_sky(e, light, IGI_PICTURE_EXR, size));
     fputs(" <emitter type=\"envmap\"><string name=\"filename\" value=\"", e->file);
-    print_name(e->file, e->files);
+    igi_put_escaped(e->file, e->files);
     fprintf(e->file,
             "/light_%zu.exr\"/><transform name=\"to_world\">"
             "<matrix value=\"0 0 1 0 1 0 0 0 0 1 0 0 0 0 0 1\"/>"

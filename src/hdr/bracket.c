@@ -4,7 +4,7 @@
  * files. The first, from the shortest to the longest, sees neighbours side by side: shifts,
  * comparagrams, ratios. The second adds them up.
  */
-#include "base/context.h"
+#include "base/file.h"
 #include "base/vec.h"
 #include "hdr/bracket_private.h"
 #include "hdr/merge_private.h"
@@ -51,7 +51,7 @@ static igi_status check_shape(igi_context *ctx, const char *path, const igi_phot
                     "%s: %d x %d pixels, %d channels of %d levels, and %s has %d x %d, %d of %d; "
                     "a bracket is of one camera and one size",
                     path, photo->width, photo->height, photo->channels, photo->levels,
-                    igi_hdr_base_name(first_path), first->width, first->height, first->channels,
+                    igi_file_name(first_path), first->width, first->height, first->channels,
                     first->levels);
 }
 

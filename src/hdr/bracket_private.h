@@ -27,12 +27,6 @@ typedef struct job {
     double brightest;     /* code of all, a part of the range */
 } job;
 
-static inline const char *igi_hdr_base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* The i-th photograph and the one before must not be one picture. */
 IGI_MUST_USE igi_status igi_hdr_refuse_twins(igi_context *ctx, const job *j, size_t i,
                                              const igi_photo *before, const igi_photo *photo);

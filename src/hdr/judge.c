@@ -2,7 +2,7 @@
  *
  * What may be wrong with a bracket, said by name: false exposures, one picture twice, no light.
  */
-#include "base/context.h"
+#include "base/file.h"
 #include "hdr/bracket_private.h"
 
 #include <math.h>
@@ -21,9 +21,9 @@ igi_status igi_hdr_refuse_twins(igi_context *ctx, const job *j, size_t i, const 
     if (j->frames[i].h != j->frames[i - 1].h ||
         memcmp(photo->codes, before->codes, samples * sizeof *photo->codes) != 0)
         return IGI_OK;
-    return igi_fail(
-        ctx, IGI_E_DATA, "%s: the same picture as %s: twice it would count as two; name it once",
-        j->frames[i].exposure->path, igi_hdr_base_name(j->frames[i - 1].exposure->path));
+    return igi_fail(ctx, IGI_E_DATA,
+                    "%s: the same picture as %s: twice it would count as two; name it once",
+                    j->frames[i].exposure->path, igi_file_name(j->frames[i - 1].exposure->path));
 }
 
 igi_status igi_hdr_judge_light(igi_context *ctx, const job *j, char **warning)
@@ -53,9 +53,9 @@ static bool describe(const job *j, size_t pair, double seen, char *sentence, siz
     if (length + 200 > size) return false;
     snprintf(sentence + length, size - length,
              "%s%.60s is stated to have %.2f times the exposure of %.60s and shows %.2f",
-             length ? ", " : "", igi_hdr_base_name(j->frames[pair + 1].exposure->path),
+             length ? ", " : "", igi_file_name(j->frames[pair + 1].exposure->path),
              exp(bracket->log_h[pair + 1] - bracket->log_h[pair]),
-             igi_hdr_base_name(j->frames[pair].exposure->path), exp(seen));
+             igi_file_name(j->frames[pair].exposure->path), exp(seen));
     return true;
 }
 

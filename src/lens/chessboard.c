@@ -10,7 +10,7 @@
  * view is left out and the rest fitted again, until none is. (A board found one square off is no bad
  * view: its pose takes that up.)
  */
-#include "base/context.h"
+#include "base/file.h"
 #include "base/order.h"
 #include "bridge/opencv.h"
 #include "lens/lens_private.h"
@@ -232,8 +232,7 @@ static igi_status name_views(igi_context *ctx, const char *const *paths, size_t 
     igi_calibration_forget_views(c);
     IGI_TRY(IGI_ALLOC(ctx, count, &c->views));
     for (size_t i = 0; i < count; i++) {
-        const char *slash = strrchr(paths[i], '/');
-        IGI_TRY(igi_strdup(ctx, slash ? slash + 1 : paths[i], &c->views[i].file));
+        IGI_TRY(igi_strdup(ctx, igi_file_name(paths[i]), &c->views[i].file));
         c->view_count = i + 1;
     }
     return IGI_OK;

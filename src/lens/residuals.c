@@ -37,12 +37,7 @@ static double round_magnification(double wanted)
 static void draw_text(FILE *to, double x, double y, const char *text)
 {
     fprintf(to, "<text x=\"%.1f\" y=\"%.1f\">", x, y);
-    for (; *text; text++) switch (*text) {
-        case '&': fputs("&amp;", to); break;
-        case '<': fputs("&lt;", to); break;
-        default:
-            if ((unsigned char)*text >= ' ') fputc(*text, to);
-        }
+    igi_put_escaped(to, text);
     fputs("</text>\n", to);
 }
 

@@ -168,8 +168,7 @@ static const char *portable_path(const igi_scene *scene, const char *file)
     size_t length = scene && scene->folder ? strlen(scene->folder) : 0;
     if (length && strncmp(file, scene->folder, length) == 0 && file[length] == '/')
         return file + length + 1;
-    const char *slash = strrchr(file, '/');
-    return slash ? slash + 1 : file;
+    return igi_file_name(file);
 }
 
 static bool all_equal(const double *x, int count)

@@ -33,16 +33,11 @@
 #define SPARSE 8
 
 typedef struct finder {
-    const igi_scene *scene;
-    const igi_tracer *tracer;
-    const igi_camera *camera;
-    const igi_image *photo;
     const igi_edge_search *search;
     igi_vec centre;
     float pixel_rad;
     uint32_t *labels; /* [height][width] of connected surfaces */
-    const igi_visible *visible;
-    int axis; /* 0: along rows, 1: along columns */
+    int axis;         /* 0: along rows, 1: along columns */
     uint64_t rays;
 } finder;
 
@@ -50,9 +45,10 @@ typedef struct finder {
 
 static bool is_edge(const finder *f, int i, int k)
 {
-    const igi_visible *v = f->visible;
+    const igi_visible *v = f->search->visible;
     if (v->near_edge[i] < 2 || v->near_edge[k] < 2) return false; /* an edge marks both its sides */
-    return igi_visible_is_edge(f->scene, f->tracer, &v->hits[i], &v->hits[k], f->pixel_rad);
+    return igi_visible_is_edge(f->search->scene, f->search->tracer, &v->hits[i], &v->hits[k],
+                               f->pixel_rad);
 }
 
 static uint32_t root_of(uint32_t *parents, uint32_t i)
@@ -71,7 +67,7 @@ static void join(uint32_t *parents, uint32_t a, uint32_t b)
 
 static void label_surfaces(finder *f)
 {
-    int w = f->visible->width, h = f->visible->height;
+    int w = f->search->visible->width, h = f->search->visible->height;
     for (int i = 0; i < w * h; i++) f->labels[i] = (uint32_t)i;
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++) {
@@ -88,35 +84,37 @@ static void label_surfaces(finder *f)
 static size_t pixel_at(const finder *f, int along, int across)
 {
     int x = f->axis == 0 ? along : across, y = f->axis == 0 ? across : along;
-    if (x < 0 || y < 0 || x >= f->visible->width || y >= f->visible->height) return SIZE_MAX;
-    return (size_t)y * (size_t)f->visible->width + (size_t)x;
+    if (x < 0 || y < 0 || x >= f->search->visible->width || y >= f->search->visible->height)
+        return SIZE_MAX;
+    return (size_t)y * (size_t)f->search->visible->width + (size_t)x;
 }
 
 static igi_hit look(finder *f, double along, double across)
 {
     double x = f->axis == 0 ? along : across, y = f->axis == 0 ? across : along;
     f->rays++;
-    return igi_trace(f->tracer, f->centre, igi_camera_direction(f->camera, x, y));
+    return igi_trace(f->search->tracer, f->centre, igi_camera_direction(f->search->camera, x, y));
 }
 
 static bool is_lamp(const finder *f, const igi_hit *hit)
 {
     return hit->triangle != IGI_NO_HIT &&
-           f->scene->regions[f->scene->mesh.regions[hit->triangle]].emitter;
+           f->search->scene->regions[f->search->scene->mesh.regions[hit->triangle]].emitter;
 }
 
 /* The edge between two pixels' centres; *nearer: the last hit of the nearer surface. */
 static double bisect(finder *f, int along, int across, igi_hit *nearer)
 {
     double low = along + .5, high = along + 1.5;
-    igi_hit a = f->visible->hits[pixel_at(f, along, across)];
-    igi_hit b = f->visible->hits[pixel_at(f, along + 1, across)];
+    igi_hit a = f->search->visible->hits[pixel_at(f, along, across)];
+    igi_hit b = f->search->visible->hits[pixel_at(f, along + 1, across)];
     for (int i = 0; i < BISECTIONS; i++) {
         double middle = (low + high) / 2;
         igi_hit hit = look(f, middle, across + .5);
-        if (igi_visible_is_edge(f->scene, f->tracer, &a, &hit, f->pixel_rad)) {
+        if (igi_visible_is_edge(f->search->scene, f->search->tracer, &a, &hit, f->pixel_rad)) {
             high = middle;
-            if (!igi_visible_is_edge(f->scene, f->tracer, &hit, &b, f->pixel_rad)) b = hit;
+            if (!igi_visible_is_edge(f->search->scene, f->search->tracer, &hit, &b, f->pixel_rad))
+                b = hit;
         } else {
             low = middle;
             a = hit;
@@ -202,8 +200,8 @@ static bool lay_strip(const finder *f, strip *s)
 /* One number a pixel: how far its colour lies on the way from the one side's to the other's. */
 static bool project_colours(const finder *f, const strip *s, double *y)
 {
-    const igi_image *image = f->photo;
-    int bands = f->scene->bands, count = s->count;
+    const igi_image *image = f->search->photo;
+    int bands = f->search->scene->bands, count = s->count;
     double way[IGI_MAX_BANDS] = {0}, length = 0;
     const float *pixels[MOST_PIXELS];
     for (int i = 0; i < count; i++)
@@ -229,7 +227,8 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     strip s = {.across = across, .sides = sides};
     double y[MOST_PIXELS], seen, sigma;
     igi_hit nearer;
-    bool lit = is_lamp(f, &f->visible->hits[here]) || is_lamp(f, &f->visible->hits[next]);
+    bool lit = is_lamp(f, &f->search->visible->hits[here]) ||
+               is_lamp(f, &f->search->visible->hits[next]);
     if (sides[0] == sides[1] || !trace_edge(f, along, across, sides, &s.place, &s.slope, &nearer))
         return IGI_OK;
     if (!lay_strip(f, &s) || !project_colours(f, &s, y) ||
@@ -242,8 +241,8 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     double norm = 1 / sqrt(1 + s.slope * s.slope);
     igi_edge_site *site = &grown[sites->count++];
     int a = f->axis, b = 1 - f->axis;
-    site->point = igi_triangle_point(&f->scene->mesh, nearer.triangle, nearer.u, nearer.v);
-    site->region = f->scene->mesh.regions[nearer.triangle];
+    site->point = igi_triangle_point(&f->search->scene->mesh, nearer.triangle, nearer.u, nearer.v);
+    site->region = f->search->scene->mesh.regions[nearer.triangle];
     site->seen[a] = seen + s.first;
     site->seen[b] = across + .5;
     site->normal[a] = norm;
@@ -256,8 +255,8 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
 static igi_status scan(igi_context *ctx, finder *f, int first, int step, igi_edge_sites *sites)
 {
     for (f->axis = 0; f->axis < 2; f->axis++) {
-        int length = f->axis == 0 ? f->visible->width : f->visible->height;
-        int rows = f->axis == 0 ? f->visible->height : f->visible->width;
+        int length = f->axis == 0 ? f->search->visible->width : f->search->visible->height;
+        int rows = f->axis == 0 ? f->search->visible->height : f->search->visible->width;
         for (int across = first; across < rows; across += step)
             for (int along = 0; along + 1 < length; along++)
                 IGI_TRY(add_site(ctx, f, along, across, sites));
@@ -268,7 +267,7 @@ static igi_status scan(igi_context *ctx, finder *f, int first, int step, igi_edg
 /* Every eighth row first, then those halfway between, until that is enough. */
 static igi_status scan_all(igi_context *ctx, finder *f, igi_edge_sites *sites)
 {
-    int least = (f->visible->height + MOST_ROWS - 1) / MOST_ROWS;
+    int least = (f->search->visible->height + MOST_ROWS - 1) / MOST_ROWS;
     sites->step = SPARSE * least;
     IGI_TRY(scan(ctx, f, 0, sites->step, sites));
     for (; sites->step > least && sites->count < f->search->enough; sites->step /= 2)
@@ -280,15 +279,10 @@ igi_status igi_edge_sites_find(igi_context *ctx, const igi_edge_search *search,
                                igi_edge_sites *sites)
 {
     igi_status status = IGI_OK;
-    finder f = {.scene = search->scene,
-                .tracer = search->tracer,
-                .camera = search->camera,
-                .photo = search->photo,
-                .search = search,
+    finder f = {.search = search,
                 .centre = igi_camera_centre(search->camera),
-                .pixel_rad = (float)(1 / search->camera->fl_x),
-                .visible = search->visible};
-    size_t pixels = (size_t)f.visible->width * (size_t)f.visible->height;
+                .pixel_rad = (float)(1 / search->camera->fl_x)};
+    size_t pixels = (size_t)search->visible->width * (size_t)search->visible->height;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, pixels, &f.labels));
     label_surfaces(&f);
     sites->count = 0;

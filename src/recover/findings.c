@@ -145,16 +145,10 @@ igi_status igi_materials_of(igi_context *ctx, const igi_problem *p, const igi_di
         if (p->lights[k].file) IGI_TRY_GOTO(igi_strdup(ctx, p->lights[k].file, &m->lights[l].file));
         memcpy(m->light_std[l], p->light_std[k], sizeof m->light_std[l]);
     }
-    for (size_t i = 0; i < p->observations->warning_count; i++) {
-        char *sentence;
-        IGI_TRY_GOTO(igi_strdup(ctx, p->observations->warnings[i], &sentence));
-        IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
-    }
-    for (size_t i = 0; i < d->warning_count; i++) {
-        char *sentence;
-        IGI_TRY_GOTO(igi_strdup(ctx, d->warnings[i], &sentence));
-        IGI_TRY_GOTO(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
-    }
+    IGI_TRY_GOTO(igi_copy_sentences(ctx, p->observations->warnings, p->observations->warning_count,
+                                    &m->warnings, &m->warning_count));
+    IGI_TRY_GOTO(
+        igi_copy_sentences(ctx, d->warnings, d->warning_count, &m->warnings, &m->warning_count));
     *materials = m;
     m = NULL;
 cleanup:

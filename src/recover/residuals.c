@@ -223,8 +223,9 @@ static void look_at_side(viewer *v, uint32_t side)
 }
 
 /* The scatter of the photographs' means about the sides', less what their pixels' scatter would
- * give (`squares` would be chi-square's, of the number of photographs); and what it does to the mean over all of them: photographs are clusters of errors (Liang &
- * Zeger 1986), a sum of w_f off_f with the share w_f of the pixels. */
+ * give (`squares` would be chi-square's, of the number of photographs); and what it does to the mean
+ * over all of them: photographs are clusters of errors (Liang & Zeger 1986), a sum of w_f off_f with
+ * the share w_f of the pixels. */
 static void differ(const view_sums *views, size_t count, igi_region_residual *r)
 {
     double squares = 0, noise = 0, weight = 0, mean_off = 0, mean_noise = 0, used = 0;

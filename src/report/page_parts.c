@@ -12,13 +12,7 @@
 
 void igi_page_text(const igi_page *page, const char *text)
 {
-    for (; *text; text++) switch (*text) {
-        case '<': fputs("&lt;", page->file); break;
-        case '>': fputs("&gt;", page->file); break;
-        case '&': fputs("&amp;", page->file); break;
-        case '"': fputs("&quot;", page->file); break;
-        default: putc(*text, page->file);
-        }
+    igi_put_escaped(page->file, text);
 }
 
 static void print_base64(FILE *f, const uint8_t *bytes, size_t size)

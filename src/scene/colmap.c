@@ -7,6 +7,8 @@
 #include "scene/colmap_camera.h"
 #include "scene/colmap_private.h"
 
+#include "base/file.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -96,10 +98,9 @@ igi_status igi_colmap_read_camera(igi_context *ctx, const char *path, igi_camera
     igi_status status = IGI_OK;
     char *folder = NULL;
     igi_colmap r = {.ctx = ctx};
-    const char *slash = strrchr(path, '/');
     IGI_TRY_GOTO(igi_path_folder(ctx, path, &folder));
     r.folder = folder;
-    IGI_TRY_GOTO(open_part(&r, slash ? slash + 1 : path));
+    IGI_TRY_GOTO(open_part(&r, igi_file_name(path)));
     IGI_TRY_GOTO(igi_ends_with(path, ".bin") ? igi_colmap_read_binary(&r, false)
                                              : igi_colmap_read_text(&r, false));
     if (r.camera_count == 0) IGI_TRY_GOTO(igi_colmap_fail(&r, "no camera in it"));

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/file_text.h"
 
+#include "base/file.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -158,8 +160,7 @@ igi_status igi_path_folder(igi_context *ctx, const char *path, char **folder)
 
 igi_status igi_path_stem(igi_context *ctx, const char *path, char **stem)
 {
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
+    const char *name = igi_file_name(path);
     const char *dot = strrchr(name, '.');
     int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
     return igi_strprintf(ctx, stem, "%.*s", length, name);

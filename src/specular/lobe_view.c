@@ -70,37 +70,51 @@ static void add_lamps(const igi_lobe_view *view, const igi_problem *problem, con
     }
 }
 
+/* What a photograph shows of a lobe: the side, and which of the correction's views it is. */
+typedef struct seen_lobe {
+    const igi_lobe *lobe;
+    uint32_t side;
+    size_t at; /* SIZE_MAX: nothing is known of its surfaces */
+} seen_lobe;
+
+static bool find_seen(const igi_lobe_view *view, const igi_problem *p, size_t frame,
+                      const igi_hit *hit, seen_lobe *s)
+{
+    s->lobe = &view->lobes[p->scene->mesh.regions[hit->triangle]];
+    if (s->lobe->model == IGI_LAMBERT) return false;
+    s->side = igi_side_at(p->patches, hit->triangle, hit->u, hit->v, hit->back);
+    s->at = view_of_side(view->correction, s->side, frame);
+    return true;
+}
+
 void igi_lobe_view_parts(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
                          const igi_hit *hit, int half, igi_lobe_parts *parts)
 {
     const igi_correction *c = view->correction;
-    const igi_lobe *lobe = &view->lobes[problem->scene->mesh.regions[hit->triangle]];
     size_t bands = (size_t)problem->bands, views = c->view_begin[2 * problem->patches->count];
+    seen_lobe s;
     *parts = (igi_lobe_parts){.lit = 0};
-    if (lobe->model == IGI_LAMBERT) return;
-    uint32_t side = igi_side_at(problem->patches, hit->triangle, hit->u, hit->v, hit->back);
-    size_t at = view_of_side(c, side, frame);
-    add_lamps(view, problem, lobe, side, frame, hit, parts->radiance);
-    if (at == SIZE_MAX) return;
-    const float *own = c->surfaces + ((size_t)half * views + at) * bands;
-    const float *other = c->surfaces + ((size_t)(1 - half) * views + at) * bands;
+    if (!find_seen(view, problem, frame, hit, &s)) return;
+    add_lamps(view, problem, s.lobe, s.side, frame, hit, parts->radiance);
+    if (s.at == SIZE_MAX) return;
+    const float *own = c->surfaces + ((size_t)half * views + s.at) * bands;
+    const float *other = c->surfaces + ((size_t)(1 - half) * views + s.at) * bands;
     for (size_t b = 0; b < bands; b++) {
         parts->radiance[b] += own[b];
         parts->mirrored += other[b] / (float)bands;
     }
-    parts->lit = c->lamps[(size_t)(1 - half) * views + at];
+    parts->lit = c->lamps[(size_t)(1 - half) * views + s.at];
 }
 
 void igi_lobe_view_radiance(const igi_lobe_view *view, const igi_problem *problem, size_t frame,
                             const igi_hit *hit, float *radiance)
 {
     const igi_correction *c = view->correction;
-    const igi_lobe *lobe = &view->lobes[problem->scene->mesh.regions[hit->triangle]];
     size_t bands = (size_t)problem->bands, views = c->view_begin[2 * problem->patches->count];
-    if (lobe->model == IGI_LAMBERT) return;
-    uint32_t side = igi_side_at(problem->patches, hit->triangle, hit->u, hit->v, hit->back);
-    size_t at = view_of_side(c, side, frame);
-    add_lamps(view, problem, lobe, side, frame, hit, radiance);
-    for (size_t b = 0; b < bands && at != SIZE_MAX; b++)
-        radiance[b] += 0.5f * (c->surfaces[at * bands + b] + c->surfaces[(views + at) * bands + b]);
+    seen_lobe s;
+    if (!find_seen(view, problem, frame, hit, &s)) return;
+    add_lamps(view, problem, s.lobe, s.side, frame, hit, radiance);
+    for (size_t b = 0; b < bands && s.at != SIZE_MAX; b++)
+        radiance[b] += 0.5f *
+                       (c->surfaces[s.at * bands + b] + c->surfaces[(views + s.at) * bands + b]);
 }

@@ -15,12 +15,6 @@
 static const char *const file_keys[] = {"profile", "image", "spectrum"};
 enum { FILE_KEYS = sizeof file_keys / sizeof file_keys[0] };
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* Two files of one name cannot lie in one folder, but one may be named twice. */
 static bool is_taken(const igi_json *array, const char *name)
 {
@@ -28,7 +22,8 @@ static bool is_taken(const igi_json *array, const char *name)
         for (size_t k = 0; k < FILE_KEYS; k++) {
             const char *other = json_string_value(
                 json_object_get(json_array_get(array->value, i), file_keys[k]));
-            if (other && strcmp(other, name) != 0 && strcmp(base_name(other), base_name(name)) == 0)
+            if (other && strcmp(other, name) != 0 &&
+                strcmp(igi_file_name(other), igi_file_name(name)) == 0)
                 return true;
         }
     return false;
@@ -45,10 +40,10 @@ static igi_status copy(igi_context *ctx, const igi_json *array, const igi_json *
         IGI_TRY_GOTO(igi_json_fail(ctx, at,
                                    "\"%s\" is the name of another light's file, too; "
                                    "rename one of the two",
-                                   base_name(name)));
+                                   igi_file_name(name)));
     IGI_TRY_GOTO(igi_path_folder(ctx, at->file->path, &beside));
     IGI_TRY_GOTO(igi_path_join(ctx, beside, name, &from));
-    IGI_TRY_GOTO(igi_path_join(ctx, folder, base_name(name), &to));
+    IGI_TRY_GOTO(igi_path_join(ctx, folder, igi_file_name(name), &to));
     IGI_TRY_GOTO(igi_text_load(ctx, from, MOST_BYTES, &text));
     IGI_TRY_GOTO(igi_file_save(ctx, to, text.bytes, text.size));
 cleanup:
@@ -71,7 +66,7 @@ igi_status lights_keep(igi_context *ctx, const igi_json *array, const char *fold
             if (!json_is_string(at.value)) continue;
             IGI_TRY_GOTO(copy(ctx, array, &at, folder));
             json_object_set_new(json_array_get(*lights, i), file_keys[k],
-                                json_string(base_name(json_string_value(at.value))));
+                                json_string(igi_file_name(json_string_value(at.value))));
         }
     }
 cleanup:
