@@ -25,9 +25,16 @@ typedef struct igi_light_sample {
     float distance;    /* metres; INFINITY for a light without a place */
     float pdf;         /* per solid angle; 0 for a light of no extent (point, spot, directional) */
     float weight;      /* radiance over pdf, or irradiance at normal incidence for a light of no
-                          extent, is weight * value[band]: value = the light's own */
+                          extent, is weight times igi_light_sample_value */
     const float *tint; /* [bands], a factor of each band beside the value (env); NULL: 1 */
 } igi_light_sample;
+
+/* What is to be multiplied by a sample's weight: the light's value, and the sample's tint. */
+static inline float igi_light_sample_value(const igi_light *light, const igi_light_sample *sample,
+                                           int band)
+{
+    return (float)light->value[band] * (sample->tint ? sample->tint[band] : 1);
+}
 
 /* Samples light number `light` from (u,v) in the unit square. false: it cannot shine there. */
 bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec point, float u,

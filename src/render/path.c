@@ -45,8 +45,8 @@ static bool weigh(const igi_renderer *r, size_t light, const surface *s, float u
     float share = c->sample.pdf > 0 && !r->mirrors ? share_of(c->sample.pdf, pdf) : 1;
     c->mean = 0;
     for (int b = 0; b < r->bands; b++) {
-        c->value[b] *= c->sample.weight * share * (float)r->lights[light].value[b];
-        if (c->sample.tint) c->value[b] *= c->sample.tint[b];
+        c->value[b] *= c->sample.weight * share *
+                       igi_light_sample_value(&r->lights[light], &c->sample, b);
         c->mean += c->value[b];
     }
     return c->mean > 0;

@@ -185,7 +185,8 @@ static void sample_lamp(pixel_sets *s, size_t light, int first)
         bool area = p->lights[light].type == IGI_LIGHT_AREA;
         d->weight = d->in.z * samples[m].weight * (area ? lamp / (lamp + narrow) : 1);
         for (int b = 0; b < p->bands; b++)
-            s->incident[(first + (int)m) * p->bands + b] = (float)p->lights[light].value[b];
+            s->incident[(first + (int)m) * p->bands + b] = igi_light_sample_value(&p->lights[light],
+                                                                                  &samples[m], b);
     }
 }
 

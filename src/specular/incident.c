@@ -43,7 +43,8 @@ static int add_lamp(const igi_problem *p, const igi_lobe *lobe, size_t light, ig
     if (igi_light_hidden(p->tracer, point, &s)) return 1;
     if (s.pdf > 0) share = s.pdf / (s.pdf + igi_lobe_pdf(lobe->model, lobe->alpha, in, out));
     for (int b = 0; b < p->bands; b++)
-        radiance[b] += values[b] * in.z * s.weight * share * (float)p->lights[light].value[b];
+        radiance[b] += values[b] * in.z * s.weight * share *
+                       igi_light_sample_value(&p->lights[light], &s, b);
     return 1;
 }
 

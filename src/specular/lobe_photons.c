@@ -72,8 +72,8 @@ static uint64_t send(const job *j, size_t row, igi_rng *rng, uint32_t *met, floa
     float weight = p->patches->area[side >> 1] * (float)lights / (float)j->photons * s.weight *
                    in.z * out.z / pdf;
     for (int b = 0; b < p->bands; b++)
-        flux[b] = weight * (lobe->specular[b] * scale + base) * (float)p->lights[light].value[b] *
-                  (s.tint ? s.tint[b] : 1);
+        flux[b] = weight * (lobe->specular[b] * scale + base) *
+                  igi_light_sample_value(&p->lights[light], &s, b);
     return 2;
 }
 

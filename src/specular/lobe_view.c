@@ -65,7 +65,7 @@ static void add_lamps(const igi_lobe_view *view, const igi_problem *problem, con
             float carried = visible * in.z * samples[k].weight;
             for (int b = 0; b < p->bands; b++)
                 lamps[b] += (lobe->specular[b] * scale + base) * carried *
-                            (float)p->lights[l].value[b];
+                            igi_light_sample_value(&p->lights[l], &samples[k], b);
         }
     }
 }

@@ -90,7 +90,7 @@ static float predict(const job *j, size_t observation, igi_rng *rng)
             igi_lobe_terms(IGI_WARD, PREDICTED_ALPHA, in, v.out, &scale, &base);
             float value = 0;
             for (int b = 0; b < p->bands; b++)
-                value += (float)p->lights[l].value[b] / (float)p->bands;
+                value += igi_light_sample_value(&p->lights[l], &s, b) / (float)p->bands;
             lamps += scale * in.z * s.weight * value / 4;
         }
     float seen = brightness(p->observations->radiance + observation * (size_t)p->bands, p->bands);
@@ -211,7 +211,8 @@ static void link_to_lamp(const job *j, const view *v, size_t light, igi_rng *rng
     bool extended = s.pdf > 0;
     link->weight = in.z / (extended ? density(in, v->out) + LAMP_LINKS * s.pdf : LAMP_LINKS);
     for (int b = 0; b < p->bands; b++)
-        link->incident[b] = s.weight * (extended ? s.pdf : 1) * (float)p->lights[light].value[b];
+        link->incident[b] = s.weight * (extended ? s.pdf : 1) *
+                            igi_light_sample_value(&p->lights[light], &s, b);
 }
 
 static void set_up_point(const job *j, size_t i, uint64_t seed)
