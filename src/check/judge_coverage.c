@@ -2,7 +2,7 @@
  *
  * What is not seen: regions, surroundings, highlights; and what that does to errors.
  */
-#include "check/check.h"
+#include "check/judge.h"
 
 #include <math.h>
 

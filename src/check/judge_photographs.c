@@ -2,7 +2,7 @@
  *
  * What the photographs say of each other and of the cameras.
  */
-#include "check/check.h"
+#include "check/judge.h"
 
 #include <math.h>
 

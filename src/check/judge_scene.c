@@ -2,7 +2,8 @@
  *
  * The mesh, the lights, and whether light and photographs can be of one room.
  */
-#include "check/check.h"
+#include "check/judge.h"
+#include "check/mesh_faults.h"
 
 #include <math.h>
 

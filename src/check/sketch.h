@@ -5,7 +5,7 @@
 #ifndef IGI_SRC_CHECK_SKETCH_H
 #define IGI_SRC_CHECK_SKETCH_H
 
-#include "check/check.h"
+#include "check/case.h"
 #include "check/view.h"
 #include "lens/photographs.h"
 #include "report/page.h"

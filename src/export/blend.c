@@ -19,6 +19,12 @@
 #define LARGEST_SHARE 0.95
 #define SMALLEST_SHARE 0.01
 
+bool igi_export_is_textured(const igi_scene *scene, const igi_material *m, size_t region)
+{
+    return m->map && m->textured && !m->emitter && scene->mesh.uvs &&
+           scene->regions[region].has_uvs;
+}
+
 void igi_export_rgb(const double *value, int bands, double rgb[3])
 {
     for (int k = 0; k < 3; k++) rgb[k] = value[k < bands ? k : bands - 1];

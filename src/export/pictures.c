@@ -12,12 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-bool igi_export_is_textured(const igi_scene *scene, const igi_material *m, size_t region)
-{
-    return m->map && m->textured && !m->emitter && scene->mesh.uvs &&
-           scene->regions[region].has_uvs;
-}
-
 static igi_status save_hdr(igi_context *ctx, const igi_image *rgb, const char *path)
 {
     size_t pixels = (size_t)rgb->width * (size_t)rgb->height, head;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What each triangle of an area light gives to a point, as if it were small: for lamps of a hundred
- * triangles that is most of the work, so it runs over plain arrays, which compilers turn into vectors.
+ * What each triangle of an area light gives to a point: in closed form, or as if it were small. For lamps of
+ * a hundred triangles the latter is most of the work, so it runs over plain arrays, which compilers turn
+ * into vectors.
  */
 #include "light/lighting.h"
 
@@ -96,6 +97,55 @@ static float weigh_middle(const emitter *e, igi_vec point, igi_vec normal)
         sum += above / (squared * squared);
     }
     return e->area * -igi_dot(corner, e->normal) * sum / 3; /* a plane: alike at all of them */
+}
+
+typedef struct corner {
+    double x, y, z, height; /* seen from the point; height above its horizon */
+} corner;
+
+static corner corner_of(igi_vec p, igi_vec point, igi_vec normal)
+{
+    corner c = {(double)p.x - (double)point.x, (double)p.y - (double)point.y,
+                (double)p.z - (double)point.z, 0};
+    c.height = c.x * (double)normal.x + c.y * (double)normal.y + c.z * (double)normal.z;
+    return c;
+}
+
+static corner on_horizon(corner a, corner b)
+{
+    double t = a.height / (a.height - b.height);
+    return (corner){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z), 0};
+}
+
+/* theta n.(a x b)/|a x b|; the cross product with the edge keeps its digits. */
+static double edge_term(corner a, corner b, igi_vec n)
+{
+    double ex = b.x - a.x, ey = b.y - a.y, ez = b.z - a.z;
+    double cx = a.y * ez - a.z * ey, cy = a.z * ex - a.x * ez, cz = a.x * ey - a.y * ex;
+    double sine = sqrt(cx * cx + cy * cy + cz * cz);
+    if (!(sine > 0)) return 0;
+    double cosine = a.x * b.x + a.y * b.y + a.z * b.z;
+    double theta = (double)atan2f((float)sine, (float)cosine);
+    return theta / sine * (cx * (double)n.x + cy * (double)n.y + cz * (double)n.z);
+}
+
+/* E = 1/2 |sum_i theta_i n.(v_i x v_i+1)/|v_i x v_i+1|| for a polygon of radiance 1 with corners v_i seen
+ * from the point and clipped to the horizon (Lambert 1760). */
+float igi_emitter_irradiance(const emitter *e, igi_vec point, igi_vec normal)
+{
+    corner in[3] = {corner_of(e->corner, point, normal),
+                    corner_of(igi_add(e->corner, e->edge1), point, normal),
+                    corner_of(igi_add(e->corner, e->edge2), point, normal)};
+    corner out[4];
+    int n = 0;
+    for (int i = 0; i < 3; i++) {
+        corner a = in[i], b = in[(i + 1) % 3];
+        if (a.height > 0) out[n++] = a;
+        if ((a.height > 0) != (b.height > 0)) out[n++] = on_horizon(a, b);
+    }
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += edge_term(out[i], out[(i + 1) % n], normal);
+    return 0.5f * (float)fabs(sum);
 }
 
 float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, igi_vec normal,

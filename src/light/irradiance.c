@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Irradiance at a point by one light of value 1. What arrives when nothing is in between has a
- * closed form,
- *     polygon of radiance 1:  E = 1/2 |sum_i theta_i n.(v_i x v_i+1)/|v_i x v_i+1||   (Lambert 1760)
- * over its corners v_i seen from the point and clipped to the horizon. Shadow rays tell what of it
+ * closed form (emitters.c for triangles). Shadow rays tell what of it
  * arrives, with the closed form as control variate: E = mean(f v) + b (E_open - mean f), f the
  * estimate of E_open at a point of the light, v its visibility. The best b is the visible fraction
  * sum(f v) / sum f; taken from the same points it biases (a per cent at 16 rays), so each half of
@@ -31,53 +29,6 @@ static void pattern_next(pattern *p)
     p->v += 0.5698402909980532f;
     if (p->u >= 1) p->u -= 1;
     if (p->v >= 1) p->v -= 1;
-}
-
-typedef struct corner {
-    double x, y, z, height; /* seen from the point; height above its horizon */
-} corner;
-
-static corner corner_of(igi_vec p, igi_vec point, igi_vec normal)
-{
-    corner c = {(double)p.x - (double)point.x, (double)p.y - (double)point.y,
-                (double)p.z - (double)point.z, 0};
-    c.height = c.x * (double)normal.x + c.y * (double)normal.y + c.z * (double)normal.z;
-    return c;
-}
-
-static corner on_horizon(corner a, corner b)
-{
-    double t = a.height / (a.height - b.height);
-    return (corner){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z), 0};
-}
-
-/* theta n.(a x b)/|a x b|; the cross product with the edge keeps its digits. */
-static double edge_term(corner a, corner b, igi_vec n)
-{
-    double ex = b.x - a.x, ey = b.y - a.y, ez = b.z - a.z;
-    double cx = a.y * ez - a.z * ey, cy = a.z * ex - a.x * ez, cz = a.x * ey - a.y * ex;
-    double sine = sqrt(cx * cx + cy * cy + cz * cz);
-    if (!(sine > 0)) return 0;
-    double cosine = a.x * b.x + a.y * b.y + a.z * b.z;
-    double theta = (double)atan2f((float)sine, (float)cosine);
-    return theta / sine * (cx * (double)n.x + cy * (double)n.y + cz * (double)n.z);
-}
-
-float igi_emitter_irradiance(const emitter *e, igi_vec point, igi_vec normal)
-{
-    corner in[3] = {corner_of(e->corner, point, normal),
-                    corner_of(igi_add(e->corner, e->edge1), point, normal),
-                    corner_of(igi_add(e->corner, e->edge2), point, normal)};
-    corner out[4];
-    int n = 0;
-    for (int i = 0; i < 3; i++) {
-        corner a = in[i], b = in[(i + 1) % 3];
-        if (a.height > 0) out[n++] = a;
-        if ((a.height > 0) != (b.height > 0)) out[n++] = on_horizon(a, b);
-    }
-    double sum = 0;
-    for (int i = 0; i < n; i++) sum += edge_term(out[i], out[(i + 1) % n], normal);
-    return 0.5f * (float)fabs(sum);
 }
 
 /* Irradiance per area of the emitter around `p`; 0 behind either. */

@@ -6,7 +6,7 @@
  */
 #include "recover/doubts.h"
 
-#include "recover/doubts_private.h"
+#include "recover/doubt.h"
 #include "recover/residuals.h"
 
 #include "base/order.h"
@@ -14,9 +14,6 @@
 #include <stdlib.h>
 
 /* Limits: several times what rooms show where nothing is wrong (igi chart stability). */
-#define LAMP_OFF 0.005
-#define LAMP_SIGMAS 6.0
-#define FEWEST_LAMP_PIXELS 20
 #define MOST_ALBEDO 1.0
 #define TREND 0.03
 #define FEWEST_REGIONS 3 /* that tell of one */
@@ -32,17 +29,6 @@
 #define CAMERA_SIGMAS 6.0
 #define CORNER_MEAN (1 / 3.0) /* of r^2 over a picture */
 #define FEWEST_SIDES 12
-
-static igi_status warn(igi_context *ctx, igi_materials *m, igi_material *region, char *sentence)
-{
-    return region ? igi_add_sentence(ctx, &region->warnings, &region->warning_count, sentence)
-                  : igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
-}
-
-igi_status igi_doubt_say(igi_context *ctx, igi_materials *m, char *sentence)
-{
-    return warn(ctx, m, NULL, sentence);
-}
 
 /* The lesser of two medians over the calm regions, of their surface and of their number: light that is
  * wrong shows on most of both, and a lobe that was missed looks like a trend, too. `pairs` is scratch. */
@@ -69,7 +55,7 @@ static igi_status doubt_lights(igi_context *ctx, double trend, igi_materials *m)
                           "places, kinds and powers, and that none is missing (or a "
                           "surface shines, and no lobe was found)",
                           fmax(1, 200 * trend)));
-    return warn(ctx, m, NULL, sentence);
+    return igi_doubt_say(ctx, m, sentence);
 }
 
 static igi_status doubt_camera(igi_context *ctx, const igi_residuals *r, igi_materials *m)
@@ -82,7 +68,7 @@ static igi_status doubt_camera(igi_context *ctx, const igi_residuals *r, igi_mat
                               "correct",
                               100 * fabs(r->vignetting),
                               r->vignetting > 0 ? "darker" : "brighter"));
-        IGI_TRY(warn(ctx, m, NULL, sentence));
+        IGI_TRY(igi_doubt_say(ctx, m, sentence));
     }
     if (r->drift > DRIFT) {
         IGI_TRY(
@@ -90,18 +76,23 @@ static igi_status doubt_camera(igi_context *ctx, const igi_residuals *r, igi_mat
                           "the photographs' exposures still differ by %.1f %%; lock exposure and "
                           "white balance, or merge brackets again",
                           100 * r->drift));
-        IGI_TRY(warn(ctx, m, NULL, sentence));
+        IGI_TRY(igi_doubt_say(ctx, m, sentence));
     }
     if (!(r->glare > fmax(GLARE, CAMERA_SIGMAS * r->glare_error))) return IGI_OK;
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "%.1f %% of the light strays over the photographs (glare): dark places "
                           "are brighter where the picture is; shade the lens from the lamps",
                           100 * r->glare));
-    return warn(ctx, m, NULL, sentence);
+    return igi_doubt_say(ctx, m, sentence);
+}
+
+static igi_status warn(igi_context *ctx, igi_material *region, char *sentence)
+{
+    return igi_add_sentence(ctx, &region->warnings, &region->warning_count, sentence);
 }
 
 static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, double usual,
-                               int bands, igi_materials *m, igi_material *region)
+                               int bands, igi_material *region)
 {
     char *sentence;
     double most = 0, std = 0;
@@ -116,7 +107,7 @@ static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, d
                           "it reflects %.3g times the light that reaches it: a light is missing "
                           "or too weak, or photographs and lights differ in unit",
                           most));
-        IGI_TRY(warn(ctx, m, region, sentence));
+        IGI_TRY(warn(ctx, region, sentence));
     }
     if (region->model != IGI_LAMBERT ||
         !(r->differ > hypot(fmax(VIEWS_DIFFER, VIEWS_DIFFER_TIMES * usual), r->by_chance)))
@@ -127,60 +118,7 @@ static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, d
                       "surface: it shines, but no lobe could be fitted, or something moved; "
                       "its albedo may be too high",
                       100 * r->differ));
-    return warn(ctx, m, region, sentence);
-}
-
-/* What is seen of a lamp's front, mean over bands. */
-typedef struct lamp_view {
-    double mean, error, pixels; /* error: of the mean, one standard deviation */
-} lamp_view;
-
-static lamp_view look_at_lamp(const igi_problem *p, int region)
-{
-    const igi_observations *o = p->observations;
-    double sum = 0, squares = 0, n = 0;
-    for (size_t i = 0; i < o->count; i++) {
-        uint32_t surface = o->surface[i];
-        if ((int)p->scene->mesh.regions[igi_surface_triangle(surface)] != region ||
-            igi_surface_is_back(surface))
-            continue;
-        double x = 0;
-        for (int b = 0; b < p->bands; b++)
-            x += (double)o->radiance[i * (size_t)p->bands + (size_t)b] / p->bands;
-        sum += x;
-        squares += x * x;
-        n++;
-    }
-    if (n == 0) return (lamp_view){0, 0, 0};
-    return (lamp_view){sum / n, sqrt(fmax(0, squares / n - sum / n * sum / n) / n), n};
-}
-
-/* *off: the mean over the lamps' light of what may be small errors of their values. */
-static igi_status doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials *m, double *off)
-{
-    double all = 0, sum = 0;
-    for (size_t l = 0; l < p->scene->light_count; l++) {
-        const igi_light *light = &p->scene->lights[l];
-        double stated = 0;
-        if (light->type != IGI_LIGHT_AREA || !light->known) continue;
-        lamp_view seen = look_at_lamp(p, light->region);
-        for (int b = 0; b < p->bands; b++) stated += light->value[b] / p->bands;
-        if (seen.pixels < FEWEST_LAMP_PIXELS || !(stated > 0)) continue;
-        double wrong = fabs(seen.mean / stated - 1),
-               power = stated * igi_lamp_area(&p->scene->mesh, light->region);
-        all += power;
-        if (wrong < IGI_LAMP_WRONG) sum += power * wrong;
-        if (!(wrong > fmax(LAMP_OFF, LAMP_SIGMAS * seen.error / stated))) continue;
-        char *sentence;
-        IGI_TRY(igi_strprintf(ctx, &sentence,
-                              "lights[%zu]: the photographs show '%s' with %.4g times the radiance "
-                              "that is stated: one of them is wrong, by its unit or because the "
-                              "lamp is saturated; leave the radiance out to have it read",
-                              l, p->scene->regions[light->region].name, seen.mean / stated));
-        IGI_TRY(warn(ctx, m, NULL, sentence));
-    }
-    *off = all > 0 ? sum / all : 0;
-    return IGI_OK;
+    return warn(ctx, region, sentence);
 }
 
 /* What photographs of a region disagree about, beyond what they do anywhere, is the sign of a lobe that
@@ -216,7 +154,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     for (size_t i = 0; i < m->count; i++)
         diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, diffuse, &r));
-    IGI_TRY_GOTO(doubt_lamps(ctx, p, m, &lamps_off));
+    IGI_TRY_GOTO(igi_doubt_lamps(ctx, p, m, &lamps_off));
     IGI_TRY_GOTO(igi_doubt_powers(ctx, p, field, diffuse, m, powers_off));
     IGI_TRY_GOTO(igi_doubt_outlines(ctx, p, m, &outlines_off));
     IGI_TRY_GOTO(igi_doubt_gaps(ctx, p, m, &gaps));
@@ -233,7 +171,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
         if (region->emitter || !region->determined) continue;
         double own = misfit_of(&r->regions[i], r->usual_differ, region);
         widen(own, common, hypot(gaps, powers_off[i]), p->bands, region);
-        IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], r->usual_differ, p->bands, m, region));
+        IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], r->usual_differ, p->bands, region));
     }
 cleanup:
     igi_residuals_destroy(r);

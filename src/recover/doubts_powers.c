@@ -7,7 +7,7 @@
  * means; how well the s_l are known, regions left out in turn say (the jackknife), since what else
  * is wrong with a side (a lobe that was missed, light badly gathered) is alike over a region.
  */
-#include "recover/doubts_private.h"
+#include "recover/doubt.h"
 #include "recover/residuals.h"
 
 #include "base/order.h"

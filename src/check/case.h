@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What the judges of src/check share.
+ * The case that igi check makes: what was looked at, and what is found to hold or not.
  */
-#ifndef IGI_SRC_CHECK_CHECK_H
-#define IGI_SRC_CHECK_CHECK_H
+#ifndef IGI_SRC_CHECK_CASE_H
+#define IGI_SRC_CHECK_CASE_H
 
-#include "check/mesh_faults.h"
 #include "check/survey.h"
 #include "observe/faults.h"
 
@@ -29,10 +28,5 @@ IGI_MUST_USE igi_status igi_case_find(const igi_case *c, igi_assumption *a, igi_
 IGI_MUST_USE igi_status igi_case_remedy(const igi_case *c, igi_assumption *a,
                                         const igi_advice *advice, const char *format, ...)
     IGI_PRINTF(4, 5);
-
-IGI_MUST_USE igi_status igi_judge_photographs(const igi_case *c);
-IGI_MUST_USE igi_status igi_judge_mesh(const igi_case *c);
-IGI_MUST_USE igi_status igi_judge_light(const igi_case *c);
-IGI_MUST_USE igi_status igi_judge_coverage(const igi_case *c);
 
 #endif

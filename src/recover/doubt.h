@@ -3,23 +3,25 @@
  * What the files of doubts share. Each looks at one assumption and adds its warnings to the
  * materials; what it leaves open below its limit comes back as a relative error.
  */
-#ifndef IGI_SRC_RECOVER_DOUBTS_PRIVATE_H
-#define IGI_SRC_RECOVER_DOUBTS_PRIVATE_H
+#ifndef IGI_SRC_RECOVER_DOUBT_H
+#define IGI_SRC_RECOVER_DOUBT_H
 
 #include "diffuse/field.h"
 
 #include <igi/recover.h>
 
 /* Takes the sentence. */
-IGI_MUST_USE igi_status igi_doubt_say(igi_context *ctx, igi_materials *m, char *sentence);
+static inline igi_status igi_doubt_say(igi_context *ctx, igi_materials *m, char *sentence)
+{
+    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+}
 
-/* A lamp that is off by more is no small error of its value. */
-#define IGI_LAMP_WRONG 0.1
-
-/* The front of a lamp's mesh, m^2. */
-double igi_lamp_area(const igi_mesh *mesh, int region);
-
-/* *off: of the lamps' light together. */
+/* Lamps that the photographs show with another radiance than is stated. *off: what may be small
+ * errors of their values, the mean over the lamps' light. */
+IGI_MUST_USE igi_status igi_doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials *m,
+                                        double *off);
+/* Lamps whose outline in the photographs is another than the mesh's. *off: of the lamps' light
+ * together. */
 IGI_MUST_USE igi_status igi_doubt_outlines(igi_context *ctx, const igi_problem *p, igi_materials *m,
                                            double *off);
 /* *off: of the light that reaches surfaces. */
