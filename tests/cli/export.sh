@@ -48,6 +48,17 @@ for scene in room.pbrt lit.pbrt room.rad lit.rad; do
     expect 0 "" python3 "$tests/cli/scene_syntax.py" $scene
     stdout '^[1-9][0-9]* shapes'
 done
+# The reader of pbrt's syntax would have noticed: each of these spoils one word.
+for spoil in 's/"float fov"/"integer fov"/' 's/"float fov" 90/"float fov" "90"/' 's/"rgb I"/"rgb L"/' \
+    's/"bool remaproughness" false/"bool remaproughness" 0/' 's/"string materials"/"texture materials"/' \
+    's/^NamedMaterial "surface/NamedMaterial "face/' 's/"integer xresolution" [0-9]*/&.5/' \
+    's/^WorldBegin/WorldBegun/' '/^AttributeEnd/d' 's/^Film/# Film\nWorldBegin\nFilm/' 's/"linear"/"gamma"/' \
+    's/^Shape "plymesh" "string filename" "/&no/' 's/"rgb reflectance" \[ 0/&1 1 /' 's/"float amount" /&[ /'; do
+    cat room.pbrt >spoilt.pbrt && grep '^LightSource' lit.pbrt >>spoilt.pbrt
+    expect 0 "" python3 "$tests/cli/scene_syntax.py" spoilt.pbrt
+    sed -i "$spoil" spoilt.pbrt
+    expect 1 'spoilt\.pbrt: ' python3 "$tests/cli/scene_syntax.py" spoilt.pbrt
+done
 
 # Mitsuba's picture and ours: the lambert room alike; ggx and ward within what the mapping costs.
 compare() {

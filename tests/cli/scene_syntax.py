@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Is a pbrt-v4 or Radiance scene well-formed? Tokens, counts of arguments, names that are defined
-before they are used, files that exist. Prints how many shapes there are.
+"""Is a pbrt-v4 or Radiance scene well-formed? Directives and their order, names, types and counts of
+parameters, names that are defined before they are used, files that exist. Prints how many shapes there are.
 
     scene_syntax.py FILE.pbrt|FILE.rad
 """
@@ -39,17 +39,36 @@ def check_ply(path):
             refuse(f"{path}: a face {face}")
 
 
-COUNTS = {"float": 1, "integer": 1, "bool": 1, "string": 1, "texture": 1, "rgb": 3, "point3": 3}
-WITHOUT_TYPE = {"WorldBegin", "AttributeBegin", "AttributeEnd", "Transform"}
-TYPES = {"Integrator": {"volpath"}, "Sampler": {"zsobol"}, "PixelFilter": {"box"}, "Film": {"rgb"},
-         "Camera": {"perspective"}, "Texture": None, "MakeNamedMaterial": None,
-         "NamedMaterial": None, "Material": {"diffuse"}, "AreaLightSource": {"diffuse"},
-         "LightSource": {"point", "spot", "distant", "infinite"}, "Shape": {"plymesh"}}
+# What pbrt-v4's own readers ask for (src/pbrt/lights.cpp, materials.cpp, film.cpp, ...), of the kinds that igi
+# writes: parameter -> its types, number of values.
+REAL, WHOLE, TEXT, RGB, PLACE = ("float", 1), ("integer", 1), ("string", 1), ("rgb", 3), ("point3", 3)
+KINDS = {
+    "Integrator": {"volpath": {"maxdepth": [WHOLE], "lightsampler": [TEXT], "regularize": [("bool", 1)]}},
+    "Sampler": {"zsobol": {"pixelsamples": [WHOLE], "seed": [WHOLE], "randomization": [TEXT]}},
+    "PixelFilter": {"box": {"xradius": [REAL], "yradius": [REAL]}},
+    "Film": {"rgb": {"xresolution": [WHOLE], "yresolution": [WHOLE], "filename": [TEXT]}},
+    "Camera": {"perspective": {"fov": [REAL], "screenwindow": [("float", 4)], "lensradius": [REAL]}},
+    "Texture": {"imagemap": {"filename": [TEXT], "encoding": [TEXT], "wrap": [TEXT], "scale": [REAL]}},
+    "Material": {"diffuse": {"reflectance": [RGB, ("texture", 1)]},
+                 "conductor": {"reflectance": [RGB, ("texture", 1)], "roughness": [REAL],
+                               "remaproughness": [("bool", 1)]},
+                 "mix": {"materials": [("string", 2)], "amount": [REAL]}},
+    "AreaLightSource": {"diffuse": {"L": [RGB], "scale": [REAL], "twosided": [("bool", 1)]}},
+    "LightSource": {"point": {"I": [RGB], "scale": [REAL], "from": [PLACE]},
+                    "spot": {"I": [RGB], "scale": [REAL], "from": [PLACE], "to": [PLACE], "coneangle": [REAL],
+                             "conedeltaangle": [REAL]},
+                    "distant": {"L": [RGB], "scale": [REAL], "from": [PLACE], "to": [PLACE]},
+                    "infinite": {"L": [RGB], "scale": [REAL], "filename": [TEXT]}},
+    "Shape": {"plymesh": {"filename": [TEXT]}}}
+WORDS = {"encoding": {"linear", "sRGB"}, "wrap": {"repeat", "clamp", "black", "octahedralsphere"}}
+BEFORE_WORLD = {"Integrator", "Sampler", "PixelFilter", "Film", "Camera"}
+LITERALS = {"string": r'"[^"]+"', "texture": r'"[^"]+"', "bool": "true|false", "integer": r"-?\d+"}
+NUMBER = r"-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
 
 
 def pbrt_directives(text):
-    """Each directive with its strings and numbers, lists flattened between [ and ]."""
-    words = re.findall(r'"[^"\n]*"|\[|\]|[^\s\[\]"]+', re.sub(r"(?m)#.*$", "", text))
+    """Each directive with its words: quoted ones, numbers, [ and ]."""
+    words = re.findall(r'"[^"\n]*"|\[|\]|[^\s\[\]"]+|"', re.sub(r"(?m)#.*$", "", text))
     found = []
     for word in words:
         if re.fullmatch(r"[A-Z]\w*", word):
@@ -61,60 +80,91 @@ def pbrt_directives(text):
     return found
 
 
-def parameters(directive, words):
+def quoted(directive, words, at):
+    if at >= len(words) or not re.fullmatch(r'"[^"]+"', words[at]):
+        refuse(f"{directive}: no name in quotation marks")
+    return words[at].strip('"')
+
+
+def parameters(directive, words, known):
+    """The parameters' values, strings without quotation marks; each of a type that `known` allows."""
     result, at = {}, 0
     while at < len(words):
-        declared = words[at].strip('"').split()
-        if len(declared) != 2 or declared[0] not in COUNTS:
-            refuse(f"{directive}: parameter {words[at]}")
-        if words[at + 1] == "[":
+        kind, _, name = quoted(directive, words, at).partition(" ")
+        allowed = [count for type_, count in known.get(name, []) if type_ == kind]
+        if not allowed or name in result:
+            refuse(f"{directive}: parameter {words[at]}, again or not among {known}")
+        if words[at + 1:at + 2] == ["["]:
+            if "]" not in words[at:]:
+                refuse(f"{directive}: {name}: no ]")
             end = words.index("]", at)
             values, at = words[at + 2:end], end + 1
         else:
-            values, at = [words[at + 1]], at + 2
-        if not values or len(values) % COUNTS[declared[0]]:
-            refuse(f"{directive}: {declared} has {len(values)} values")
-        if declared[0] in ("float", "integer", "rgb", "point3"):
-            values = [float(value) for value in values]
-        result[declared[1]] = values
+            values, at = words[at + 1:at + 2], at + 2
+        if len(values) != allowed[0] or not all(re.fullmatch(LITERALS.get(kind, NUMBER), v) for v in values):
+            refuse(f"{directive}: {kind} {name}: {values}")
+        values = [v.strip('"') if kind in LITERALS else float(v) for v in values]
+        if kind == "rgb" and (min(values) < 0 or name == "reflectance" and max(values) > 1):
+            refuse(f"{directive}: {name}: {values}")
+        if name in WORDS and values[0] not in WORDS[name]:
+            refuse(f"{directive}: {name}: {values}")
+        result[name] = values
+        result[name, "is texture"] = kind == "texture"
     return result
+
+
+def check_names(directive, given, materials, textures):
+    for name in given.get("materials", []):
+        if name not in materials:
+            refuse(f"{directive}: no material {name}")
+    if given.get(("reflectance", "is texture")) and given["reflectance"][0] not in textures:
+        refuse(f"{directive}: no texture {given['reflectance']}")
+    if "filename" in given and directive != "Film":
+        path = need_file(given["filename"][0])
+        if path.endswith(".ply"):
+            check_ply(path)
 
 
 def check_pbrt(text):
     materials, textures, depth, shapes, world = set(), set(), 0, 0, False
     for directive, *words in pbrt_directives(text):
-        if directive in WITHOUT_TYPE:
+        if directive in BEFORE_WORLD and world or not world and directive in KINDS and directive not in BEFORE_WORLD:
+            refuse(f"{directive} on the wrong side of WorldBegin")
+        if directive in ("WorldBegin", "AttributeBegin", "AttributeEnd"):
             depth += (directive == "AttributeBegin") - (directive == "AttributeEnd")
+            if words or depth < 0 or directive == "WorldBegin" and world:
+                refuse(f"{directive} {words}")
             world |= directive == "WorldBegin"
-            if directive == "Transform" and len(words) != 18:
-                refuse("Transform: not 16 numbers")
-            continue
-        if directive not in TYPES:
+        elif directive == "Transform":
+            if len(words) != 18 or words[0] != "[" or words[-1] != "]" or \
+                    not all(re.fullmatch(NUMBER, word) for word in words[1:-1]):
+                refuse(f"Transform {words}")
+        elif directive == "NamedMaterial":
+            if quoted(directive, words, 0) not in materials or len(words) > 1:
+                refuse(f"no material {words}")
+        elif directive == "MakeNamedMaterial":
+            name, kind = quoted(directive, words, 0), words[1:3]
+            if kind[:1] != ['"string type"'] or quoted(directive, words, 2) not in KINDS["Material"]:
+                refuse(f"{name}: no kind of material {kind}")
+            known = KINDS["Material"][quoted(directive, words, 2)]
+            check_names(directive, parameters(name, words[3:], known), materials, textures)
+            materials.add(name)
+        elif directive in KINDS:
+            at = 2 if directive == "Texture" else 0
+            if at and quoted(directive, words, 1) not in ("spectrum", "float"):
+                refuse(f"{directive}: {words[1]}")
+            kind = quoted(directive, words, at)
+            if kind not in KINDS[directive]:
+                refuse(f"{directive}: no kind {kind}")
+            given = parameters(directive, words[at + 1:], KINDS[directive][kind])
+            check_names(directive, given, materials, textures)
+            if kind == "infinite" and "L" in given and "filename" in given:
+                refuse("infinite: both L and filename")
+            if directive == "Texture":
+                textures.add(quoted(directive, words, 0))
+            shapes += directive == "Shape"
+        else:
             refuse(f"no directive {directive}")
-        kind = words[0].strip('"')
-        if TYPES[directive] and kind not in TYPES[directive]:
-            refuse(f"{directive}: no type {kind}")
-        given = parameters(directive, words[3 if directive == "Texture" else 1:])
-        if directive == "Texture":
-            textures.add(kind)
-        if directive == "MakeNamedMaterial":
-            for name in given.get("materials", []):
-                if name.strip('"') not in materials:
-                    refuse(f"{kind}: no material {name}")
-            materials.add(kind)
-        if directive == "NamedMaterial" and kind not in materials:
-            refuse(f"no material {kind}")
-        if directive == "MakeNamedMaterial" and "reflectance" in given:
-            value = given["reflectance"]
-            if isinstance(value[0], str) and value[0].strip('"') not in textures:
-                refuse(f"no texture {value}")
-            if not isinstance(value[0], str) and not 0 <= min(value) <= max(value) <= 1:
-                refuse(f"{kind}: reflectance {value}")
-        if "filename" in given and directive != "Film":
-            path = need_file(given["filename"][0])
-            if path.endswith(".ply"):
-                check_ply(path)
-        shapes += directive == "Shape"
     if depth or not world:
         refuse("AttributeBegin and AttributeEnd do not pair, or there is no WorldBegin")
     return shapes
