@@ -12,14 +12,15 @@ extern "C" {
 #endif
 
 /* codes[height][width][channels], row 0 at the top, as the sensor saw it: an orientation that EXIF
- * asks for is not applied, so that one calibration fits all photographs of a camera. Numbers that
- * the file does not state are 0, texts "". */
+ * asks for is not applied, so that one calibration fits all photographs of a camera, and COLMAP's
+ * cameras fit the photographs that it read. Numbers that the file does not state are 0, texts "". */
 typedef struct igi_photo {
     int width, height;
     int channels; /* 1 or 3 */
     int levels;   /* codes run from 0 to levels - 1: 256 or 65536 */
     bool linear;  /* codes are proportional to light: developed from a raw file */
     uint16_t *codes;
+    int orientation; /* EXIF's: 1 as stored, 3 to be turned by half, 6 and 8 by a quarter to be shown */
     double time_s, f_number, iso, focal_mm;
     char camera[64], lens[64];
 } igi_photo;

@@ -110,7 +110,7 @@ igi_status igi_check_page(igi_context *ctx, const igi_scene *scene, const char *
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &made));
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
-    IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &o));
+    IGI_TRY_GOTO(igi_observe_with_previews(ctx, scene, tracer, folder ? IGI_SNAPSHOT_SIDE : 0, &o));
     IGI_TRY_GOTO(judge(ctx, scene, tracer, o, folder, made));
     *check = made;
     made = NULL;

@@ -7,7 +7,7 @@
 
 #include "check/case.h"
 #include "check/view.h"
-#include "lens/photographs.h"
+#include "image/resample.h"
 #include "report/page.h"
 
 /* The room from outside: two ways from above, one from below, and straight down. */
@@ -20,7 +20,6 @@ typedef struct igi_sketch {
     igi_view rooms[IGI_ROOMS];
     uint8_t *colours; /* [2 patches][3] */
     float exposure;   /* of photographs */
-    igi_photographs *photographs;
     size_t *lamp_pixels,
         *mirrored; /* [frames] pixels of lamps; places that mirror one, of a grid */
 } igi_sketch;
@@ -39,6 +38,8 @@ void igi_colour_shares(const igi_sketch *s, double (*share)(const igi_region_che
 IGI_MUST_USE igi_status igi_colour_against(const igi_sketch *s, const igi_image *image,
                                            const igi_view *view);
 
+/* Of a photograph, at most: what observing keeps of it. */
+enum { IGI_SNAPSHOT_SIDE = 300 };
 /* A photograph at most `side` pixels wide and high, in sRGB, and what its pixels show. */
 typedef struct igi_snapshot {
     size_t frame;

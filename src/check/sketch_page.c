@@ -162,7 +162,6 @@ igi_status igi_sketch_save(const igi_case *c, const char *folder)
     igi_sketch s = {.c = c};
     char *path = NULL;
     igi_stage_begin(c->ctx, "pictures");
-    IGI_TRY_GOTO(igi_photographs_open(c->ctx, c->scene, &s.photographs));
     IGI_TRY_GOTO(IGI_ALLOC(c->ctx, 6 * c->survey->patches->count, &s.colours));
     IGI_TRY_GOTO(find_exposure(&s));
     IGI_TRY_GOTO(look_at_rooms(&s));
@@ -171,7 +170,6 @@ igi_status igi_sketch_save(const igi_case *c, const char *folder)
     IGI_TRY_GOTO(igi_page_write(&page, path, print_page, &s));
 cleanup:
     for (int k = 0; k < IGI_ROOMS; k++) igi_view_clear(&s.rooms[k]);
-    igi_photographs_close(s.photographs);
     igi_free(s.cut);
     igi_free(s.colours);
     igi_free(s.lamp_pixels);

@@ -6,7 +6,7 @@
 
 #include "material/material.h"
 
-enum { MOST_SHOWN = 9, SIDE = 300 };
+enum { MOST_SHOWN = 9 };
 
 /* Those that an assumption names, then those with most highlights. */
 static igi_status choose(const igi_sketch *s, bool **chosen)
@@ -36,7 +36,7 @@ static igi_status print_photo(const igi_sketch *s, size_t frame)
     const igi_photo_check *p = &s->c->check->photos[frame];
     igi_snapshot snap;
     double share;
-    IGI_TRY(igi_snapshot_take(s, frame, SIDE, &snap));
+    IGI_TRY(igi_snapshot_take(s, frame, IGI_SNAPSHOT_SIDE, &snap));
     igi_snapshot_mark_saturated(s, &snap);
     igi_snapshot_mark_lamps(&snap);
     IGI_TRY_GOTO(igi_mark_highlights(s, &snap.view, -1, snap.pixels, 3, &share));

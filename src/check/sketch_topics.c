@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-enum { SNAPSHOT_SIDE = 300 };
-
 static size_t worst_photo(const igi_sketch *s, const igi_assumption *a,
                           double (*badness)(const igi_photo_check *))
 {
@@ -58,7 +56,7 @@ static igi_status draw_static(const igi_sketch *s, const igi_assumption *a)
     FILE *f = s->page->file;
     igi_snapshot snap;
     size_t frame = worst_photo(s, a, alone);
-    IGI_TRY(igi_snapshot_take(s, frame, SNAPSHOT_SIDE / 2, &snap));
+    IGI_TRY(igi_snapshot_take(s, frame, IGI_SNAPSHOT_SIDE / 2, &snap));
     fputs("<figure><div class=\"two\">", f);
     igi_status status = igi_snapshot_print(s, &snap, "the photograph that is alone most often");
     if (status == IGI_OK) status = igi_colour_against(s, snap.image, &snap.view);
@@ -92,7 +90,7 @@ static igi_status draw_marked(const igi_sketch *s, size_t frame, const char *kin
     igi_status status = IGI_OK;
     igi_snapshot snap;
     double share;
-    IGI_TRY(igi_snapshot_take(s, frame, SNAPSHOT_SIDE, &snap));
+    IGI_TRY(igi_snapshot_take(s, frame, IGI_SNAPSHOT_SIDE, &snap));
     if (strcmp(kind, "saturated") == 0) igi_snapshot_mark_saturated(s, &snap);
     if (strcmp(kind, "edges") == 0) igi_snapshot_mark_edges(&snap);
     if (strcmp(kind, "lamps") == 0) igi_snapshot_mark_lamps(&snap);

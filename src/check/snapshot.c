@@ -14,11 +14,9 @@ igi_status igi_snapshot_take(const igi_sketch *s, size_t frame, int side, igi_sn
 {
     igi_status status = IGI_OK;
     igi_context *ctx = s->c->ctx;
-    igi_image *whole = NULL;
-    char *warning = NULL;
     *snap = (igi_snapshot){.frame = frame};
-    IGI_TRY_GOTO(igi_photographs_load(ctx, s->photographs, frame, &whole, &warning));
-    IGI_TRY_GOTO(igi_image_reduce(ctx, whole, side, &snap->image));
+    IGI_TRY_GOTO(
+        igi_image_reduce(ctx, s->c->survey->observations->previews[frame], side, &snap->image));
     igi_image *image = snap->image;
     igi_view_of_camera(s->c->survey, &s->c->scene->frames[frame].camera, image->width, &snap->view);
     snap->view.height = image->height;
@@ -34,8 +32,6 @@ igi_status igi_snapshot_take(const igi_sketch *s, size_t frame, int side, igi_sn
                 &s->page->srgb, s->exposure * from[igi_band_of(c, s->c->scene->bands)]);
     }
 cleanup:
-    igi_image_destroy(whole);
-    igi_free(warning);
     if (status != IGI_OK) igi_snapshot_clear(snap);
     return status;
 }

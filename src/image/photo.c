@@ -75,6 +75,8 @@ void igi_photo_read_exif(const unsigned char *block, size_t size, igi_photo *pho
     photo->f_number = exif_number(exif, EXIF_TAG_FNUMBER);
     photo->iso = exif_number(exif, EXIF_TAG_ISO_SPEED_RATINGS);
     photo->focal_mm = exif_number(exif, EXIF_TAG_FOCAL_LENGTH);
+    double orientation = exif_number(exif, EXIF_TAG_ORIENTATION);
+    photo->orientation = orientation >= 1 && orientation <= 8 ? (int)orientation : 0;
     exif_text(exif, EXIF_TAG_MODEL, photo->camera, sizeof photo->camera);
     exif_text(exif, (ExifTag)0xa434, photo->lens, sizeof photo->lens); /* LensModel, EXIF 2.3 */
     exif_data_unref(exif);

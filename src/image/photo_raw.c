@@ -59,6 +59,11 @@ igi_status igi_photo_read_raw(igi_context *ctx, const char *path, FILE *file, bo
     }
     develop_plainly(&raw->params);
     photo->linear = true;
+    /* LibRaw's numbers: half a turn, a quarter to the left, to the right. */
+    photo->orientation = raw->sizes.flip == 3   ? 3
+                         : raw->sizes.flip == 5 ? 8
+                         : raw->sizes.flip == 6 ? 6
+                                                : 1;
     photo->time_s = (double)raw->other.shutter;
     photo->f_number = (double)raw->other.aperture;
     photo->iso = (double)raw->other.iso_speed;

@@ -84,6 +84,11 @@ static void make_exif(const igi_photo *photo, writing *w)
                                      EXIF_FORMAT_SHORT, 1);
         if (entry) exif_set_short(entry->data, EXIF_BYTE_ORDER_INTEL, (ExifShort)photo->iso);
     }
+    if (photo->orientation > 1) {
+        ExifEntry *entry = add_entry(exif, EXIF_IFD_0, EXIF_TAG_ORIENTATION, EXIF_FORMAT_SHORT, 1);
+        if (entry)
+            exif_set_short(entry->data, EXIF_BYTE_ORDER_INTEL, (ExifShort)photo->orientation);
+    }
     if (photo->camera[0]) {
         size_t length = strlen(photo->camera) + 1;
         ExifEntry *entry = add_entry(exif, EXIF_IFD_0, EXIF_TAG_MODEL, EXIF_FORMAT_ASCII, length);
@@ -120,7 +125,7 @@ static bool write_png(writing *w, png_structp png, png_infop info)
         }
         png_write_row(png, w->row);
     }
-    png_write_end(png, info);
+    png_write_end(png, NULL); /* with `info`, libpng 1.6 writes eXIf once more */
     return true;
 }
 

@@ -17,6 +17,9 @@ static void read_metadata(TIFF *tiff, igi_photo *photo)
 {
     const char *model = NULL;
     toff_t directory = 0;
+    uint16_t orientation = 0;
+    if (TIFFGetField(tiff, TIFFTAG_ORIENTATION, &orientation) && orientation <= 8)
+        photo->orientation = orientation;
     if (TIFFGetField(tiff, TIFFTAG_MODEL, &model) && model)
         snprintf(photo->camera, sizeof photo->camera, "%s", model);
     tdir_t here = TIFFCurrentDirectory(tiff);
@@ -57,10 +60,11 @@ static bool read_converted(igi_context *ctx, TIFF *tiff, igi_photo *photo, igi_s
 {
     size_t pixels = (size_t)photo->width * (size_t)photo->height;
     uint32_t *rgba = NULL;
+    uint16_t stored = ORIENTATION_TOPLEFT; /* asking for what it is leaves the rows as they are */
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &stored);
     *status = IGI_ALLOC(ctx, pixels, &rgba);
-    bool whole = rgba &&
-                 TIFFReadRGBAImageOriented(tiff, (uint32_t)photo->width, (uint32_t)photo->height,
-                                           rgba, ORIENTATION_TOPLEFT, 1) == 1;
+    bool whole = rgba && TIFFReadRGBAImageOriented(tiff, (uint32_t)photo->width,
+                                                   (uint32_t)photo->height, rgba, stored, 1) == 1;
     for (size_t i = 0; whole && i < pixels; i++) {
         uint16_t *to = photo->codes + i * (size_t)photo->channels;
         to[0] = (uint16_t)TIFFGetR(rgba[i]);

@@ -93,3 +93,12 @@ cleanup:
     igi_image_destroy(wide);
     return status;
 }
+
+igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side, igi_image **small)
+{
+    int longest = image->width > image->height ? image->width : image->height;
+    double scale = longest > side ? (double)side / longest : 1;
+    int width = (int)fmax(1, floor(image->width * scale + .5));
+    int height = (int)fmax(1, floor(image->height * scale + .5));
+    return igi_image_resample(ctx, image, width, height, small);
+}

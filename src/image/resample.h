@@ -14,6 +14,10 @@
 IGI_MUST_USE igi_status igi_image_resample(igi_context *ctx, const igi_image *image, int width,
                                            int height, igi_image **result);
 
+/* The image at most `side` pixels wide and high: *small is a copy. */
+IGI_MUST_USE igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side,
+                                         igi_image **small);
+
 /* Catmull-Rom weights of the four samples around t in [0,1), which lies between the middle two. */
 static inline void igi_cubic_weights(double t, double w[4])
 {

@@ -47,33 +47,52 @@ static bool is_saturated(const igi_photo *photo)
     return high > count / 1000;
 }
 
-/* Adds one photograph, scaled by its mean: lamps may have differed between photographs. */
+/* By what a photograph's codes are read; NULL: they are linear. */
+static igi_status choose_response(igi_context *ctx, const char *path, const igi_photo *photo,
+                                  const igi_calibration *c, const igi_response **response)
+{
+    const igi_response *given = c->response;
+    *response = NULL;
+    if (photo->linear) return IGI_OK;
+    if (given && (given->levels != photo->levels || given->channels != photo->channels))
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: %d channels of %d levels, and the calibration's response is for %d of "
+                        "%d; photograph as for the response",
+                        path, photo->channels, photo->levels, given->channels, given->levels);
+    if (photo->levels == 256 && !given)
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: 8-bit codes tell light only through the camera's response; merge a "
+                        "bracket with --save-response first, or photograph raw",
+                        path);
+    *response = given;
+    return IGI_OK;
+}
+
+static igi_status check_flat(igi_context *ctx, const char *path, const igi_photo *photo)
+{
+    if (photo->width < 2 * COLUMNS || photo->height < 2 * ROWS)
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: %d x %d pixels are too few for a flat field; use the full size", path,
+                        photo->width, photo->height);
+    if (is_saturated(photo))
+        return igi_fail(ctx, IGI_E_DATA, "%s: it is saturated in places; expose less", path);
+    return IGI_OK;
+}
+
+/* Adds one photograph, scaled by its mean: lamps may have differed between photographs. `doubtful`: its
+ * codes are taken as linear without anybody having said so. */
 static igi_status add_flat(igi_context *ctx, const char *path, igi_calibration **calibration,
-                           double sums[BLOCKS])
+                           double sums[BLOCKS], bool *doubtful)
 {
     igi_status status = IGI_OK;
     igi_photo *photo = NULL;
+    const igi_response *response;
     double blocks[BLOCKS], mean = 0;
     IGI_TRY_GOTO(igi_photo_load(ctx, path, &photo));
     IGI_TRY_GOTO(igi_calibration_for(ctx, path, photo, calibration));
-    const igi_response *response = (*calibration)->response;
-    if (photo->linear ||
-        (response && (response->levels != photo->levels || response->channels != photo->channels)))
-        response = NULL;
-    if (photo->levels == 256 && !response) {
-        status = igi_fail(ctx, IGI_E_DATA,
-                          "%s: 8-bit codes tell light only through the camera's response; merge a "
-                          "bracket with --save-response first, or photograph raw",
-                          path);
-    } else if (photo->width < 2 * COLUMNS || photo->height < 2 * ROWS) {
-        status = igi_fail(ctx, IGI_E_DATA,
-                          "%s: %d x %d pixels are too few for a flat field; use "
-                          "the full size",
-                          path, photo->width, photo->height);
-    } else if (is_saturated(photo)) {
-        status = igi_fail(ctx, IGI_E_DATA, "%s: it is saturated in places; expose less", path);
-    }
-    if (status != IGI_OK) goto cleanup;
+    IGI_TRY_GOTO(choose_response(ctx, path, photo, *calibration, &response));
+    IGI_TRY_GOTO(check_flat(ctx, path, photo));
+    *doubtful = !photo->linear && !response;
     for (int i = 0; i < BLOCKS; i++) mean += (blocks[i] = mean_of_block(photo, response, i));
     for (int i = 0; i < BLOCKS; i++) sums[i] += mean > 0 ? blocks[i] / mean : 0;
     (*calibration)->vignetting.f_number = photo->f_number;
@@ -90,11 +109,20 @@ igi_status igi_calibrate_flat(igi_context *ctx, const char *const *paths, size_t
     igi_calibration *own = NULL, **target = *calibration ? calibration : &own;
     double sums[BLOCKS] = {0}, (*places)[2] = NULL;
     igi_vignetting fitted;
+    bool warned = false;
     if (count < 1) return igi_fail(ctx, IGI_E_USAGE, "flat: no photographs; name at least one");
     igi_stage_begin(ctx, "flat field");
     for (size_t i = 0; i < count; i++) {
         IGI_TRY_GOTO(igi_progress(ctx, (double)i / (double)count));
-        IGI_TRY_GOTO(add_flat(ctx, paths[i], target, sums));
+        bool doubtful;
+        IGI_TRY_GOTO(add_flat(ctx, paths[i], target, sums, &doubtful));
+        if (doubtful && !warned)
+            igi_warn(ctx,
+                     "%s: its codes of 16 bits are taken as proportional to light; a developed "
+                     "picture has a tone curve: merge a bracket of such with --save-response "
+                     "first, or name the raw file",
+                     paths[i]);
+        warned |= doubtful;
     }
     IGI_TRY_GOTO(IGI_ALLOC(ctx, BLOCKS, &places));
     const int size[2] = {(*target)->width, (*target)->height};

@@ -16,6 +16,8 @@ struct igi_photographs {
     igi_calibration *calibration; /* NULL: the images are as they are wanted */
     igi_merge_options merge;
     bool as_taken; /* neither corrected nor scaled */
+    char *note;    /* about the first photograph that it holds for, and for others; NULL: nothing */
+    size_t noted;
 };
 
 /* The camera that the file's image belongs to. */
@@ -72,6 +74,51 @@ static igi_status choose_response(igi_context *ctx, igi_photographs *p)
     return IGI_OK;
 }
 
+/* Pixels are taken as stored, as COLMAP takes them; OpenCV's imread and many others turn them. Where that
+ * changes the picture's sides, the cameras' sizes tell (merge_frame); a half turn or a mirrored picture
+ * nothing tells. */
+static igi_status note_turns(igi_context *ctx, igi_photographs *p)
+{
+    const igi_scene *scene = p->scene;
+    size_t turned = 0;
+    for (size_t i = 0; i < scene->frame_count; i++) {
+        igi_photo *photo;
+        if (!scene->frames[i].exposure_count) continue;
+        IGI_TRY(igi_photo_probe(ctx, scene->frames[i].exposures[0].path, &photo));
+        bool is_turned = photo->orientation > 1 &&
+                         (photo->orientation < 5 || photo->width == photo->height);
+        igi_photo_destroy(photo);
+        if (is_turned && turned++ == 0) p->noted = i;
+    }
+    if (turned == 0) return IGI_OK;
+    return igi_strprintf(
+        ctx, &p->note,
+        "EXIF asks to turn %s by half or to mirror it for display; pixels are taken as "
+        "stored, as COLMAP takes them: where the cameras come from a program that "
+        "turns photographs, turn the files first (exiftran -a)",
+        turned > 1 ? "it and others" : "it");
+}
+
+/* Sizes that differ by a quarter turn alone. */
+static igi_status refuse_size(igi_context *ctx, const igi_frame *frame, const igi_image *image)
+{
+    const igi_camera *camera = camera_of(frame);
+    const char *path = frame->exposures[0].path;
+    igi_photo *photo;
+    IGI_TRY(igi_photo_probe(ctx, path, &photo));
+    int orientation = photo->orientation;
+    igi_photo_destroy(photo);
+    if (orientation >= 5 && image->width == camera->height && image->height == camera->width)
+        return igi_fail(
+            ctx, IGI_E_DATA,
+            "%s: its pixels are stored as %d x %d and EXIF asks to turn them (orientation "
+            "%d), which its camera of %d x %d has done; estimate the cameras from pixels "
+            "as stored, as COLMAP does, or turn the files first (exiftran -a)",
+            path, image->width, image->height, orientation, camera->width, camera->height);
+    return igi_fail(ctx, IGI_E_DATA, "%s: is %d x %d pixels, but its camera %d x %d; scale neither",
+                    path, image->width, image->height, camera->width, camera->height);
+}
+
 static void warn_of_aperture(igi_context *ctx, const igi_scene *scene, const igi_vignetting *v)
 {
     for (size_t i = 0; v->known && v->f_number > 0 && i < scene->frame_count; i++)
@@ -102,6 +149,7 @@ igi_status igi_photographs_open(igi_context *ctx, const igi_scene *scene,
         warn_of_aperture(ctx, scene, &p->calibration->vignetting);
     }
     IGI_TRY_GOTO(choose_response(ctx, p));
+    IGI_TRY_GOTO(note_turns(ctx, p));
     *photographs = p;
     p = NULL;
 cleanup:
@@ -139,6 +187,7 @@ void igi_photographs_close(igi_photographs *photographs)
 {
     if (!photographs) return;
     igi_calibration_destroy(photographs->calibration);
+    igi_free(photographs->note);
     igi_free(photographs);
 }
 
@@ -154,9 +203,17 @@ static igi_status merge_frame(igi_context *ctx, const igi_photographs *p, const 
     igi_merged_destroy(merged);
     const igi_camera *camera = camera_of(frame);
     if ((*image)->width == camera->width && (*image)->height == camera->height) return IGI_OK;
-    return igi_fail(ctx, IGI_E_DATA, "%s: is %d x %d pixels, but its camera %d x %d; scale neither",
-                    frame->exposures[0].path, (*image)->width, (*image)->height, camera->width,
-                    camera->height);
+    return refuse_size(ctx, frame, *image);
+}
+
+static igi_status add_note(igi_context *ctx, const char *note, char **warning)
+{
+    char *both;
+    if (!*warning) return igi_strdup(ctx, note, warning);
+    IGI_TRY(igi_strprintf(ctx, &both, "%s; %s", *warning, note));
+    igi_free(*warning);
+    *warning = both;
+    return IGI_OK;
 }
 
 /* Averages a picture of more pixels than the frame's camera has; `image` is exchanged. */
@@ -183,6 +240,8 @@ igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photogr
     *warning = NULL;
     if (f->exposure_count) IGI_TRY_GOTO(merge_frame(ctx, photographs, f, &taken, warning));
     else IGI_TRY_GOTO(igi_image_load_exr(ctx, f->path, &taken));
+    if (photographs->note && frame == photographs->noted)
+        IGI_TRY_GOTO(add_note(ctx, photographs->note, warning));
     if (!photographs->as_taken && c && (c->has_lens || c->vignetting.known)) {
         if (taken->width != c->width || taken->height != c->height) {
             status = igi_fail(ctx, IGI_E_DATA, "%s: %d x %d pixels, and %s is for %d x %d", f->path,

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/rng.h"
+#include "image/resample.h"
 #include "lens/photographs.h"
 #include "observe/cover.h"
 #include "observe/visible.h"
@@ -56,6 +57,8 @@ typedef struct job {
     igi_registration *registrations;
     double *saturated;
     bool *scarce; /* [regions] */
+    int preview_side;
+    igi_image **previews; /* [frames]; NULL: none */
 } job;
 
 static float mean_of_finite(const igi_image *image, int bands)
@@ -213,6 +216,8 @@ static igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int 
     IGI_TRY_GOTO(igi_lamps_measure(ctx, j->scene, j->tracer, frame, image, &visible, &f->readings,
                                    &f->reading_count));
     f->lit_gaps = igi_lit_gaps(j->scene, image, &visible);
+    if (j->previews)
+        IGI_TRY_GOTO(igi_image_reduce(ctx, image, j->preview_side, &j->previews[frame]));
 cleanup:
     igi_visible_clear(&visible);
     igi_image_destroy(image);
@@ -372,11 +377,14 @@ static uint32_t share_to_keep(const igi_scene *scene, size_t limit)
     return share >= 1 ? UINT32_MAX : (uint32_t)(share * (double)UINT32_MAX);
 }
 
-igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
-                       size_t limit, igi_observations **observations)
+static igi_status observe(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                          size_t limit, int preview_side, igi_observations **observations)
 {
     *observations = NULL;
-    job j = {.scene = scene, .tracer = tracer, .keep_below = share_to_keep(scene, limit)};
+    job j = {.scene = scene,
+             .tracer = tracer,
+             .keep_below = share_to_keep(scene, limit),
+             .preview_side = preview_side};
     igi_observations *o = NULL;
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(igi_photographs_open(ctx, scene, &j.photographs));
@@ -388,6 +396,8 @@ igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_trace
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->saturated));
     j.registrations = o->registrations;
     j.saturated = o->saturated;
+    if (preview_side > 0) IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->previews));
+    j.previews = o->previews;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
     IGI_TRY_GOTO(check_places(ctx, scene, j.frames));
     IGI_TRY_GOTO(collect_warnings(ctx, &j, o));
@@ -413,6 +423,19 @@ cleanup:
     igi_free(j.frames);
     igi_observations_destroy(o);
     return status;
+}
+
+igi_status igi_observe(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
+                       size_t limit, igi_observations **observations)
+{
+    return observe(ctx, scene, tracer, limit, 0, observations);
+}
+
+igi_status igi_observe_with_previews(igi_context *ctx, const igi_scene *scene,
+                                     const igi_tracer *tracer, int side,
+                                     igi_observations **observations)
+{
+    return observe(ctx, scene, tracer, 0, side, observations);
 }
 
 size_t igi_observation_at(const igi_observations *observations, size_t frame, uint32_t pixel)
@@ -443,6 +466,9 @@ void igi_observations_destroy(igi_observations *observations)
     if (!observations) return;
     for (size_t i = 0; i < observations->warning_count; i++) igi_free(observations->warnings[i]);
     igi_free(observations->warnings);
+    for (size_t i = 0; observations->previews && i < observations->frame_count; i++)
+        igi_image_destroy(observations->previews[i]);
+    igi_free(observations->previews);
     igi_free(observations->registrations);
     igi_free(observations->saturated);
     igi_free(observations->outlines);

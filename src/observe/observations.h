@@ -41,6 +41,7 @@ typedef struct igi_observations {
     size_t reading_count;
     igi_lamp_reading *readings; /* [reading_count] of lamps whose radiance nobody gave */
     double lit_gaps;            /* mean over the photographs */
+    igi_image **previews;       /* [frame_count] small pictures; NULL: nobody asked for them */
     size_t warning_count;
     char **warnings;
 } igi_observations;
@@ -53,6 +54,10 @@ typedef struct igi_observations {
 IGI_MUST_USE igi_status igi_observe(igi_context *ctx, const igi_scene *scene,
                                     const igi_tracer *tracer, size_t limit,
                                     igi_observations **observations);
+/* The same, and keeps a picture of each photograph, at most `side` pixels wide and high. */
+IGI_MUST_USE igi_status igi_observe_with_previews(igi_context *ctx, const igi_scene *scene,
+                                                  const igi_tracer *tracer, int side,
+                                                  igi_observations **observations);
 /* The observation of a pixel (row * width + column) of a frame; SIZE_MAX: it was left out. */
 size_t igi_observation_at(const igi_observations *observations, size_t frame, uint32_t pixel);
 /* The frame of an observation. */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "report/colour.h"
 
-#include "image/resample.h"
-
 #include <math.h>
 
 const uint8_t igi_ramp_spread[IGI_RAMP_STOPS][3] = {
@@ -21,13 +19,4 @@ void igi_ramp_colour(const uint8_t ramp[IGI_RAMP_STOPS][3], float t, uint8_t rgb
         float low = (float)ramp[i][k], high = (float)ramp[i + 1][k];
         rgb[k] = (uint8_t)(low + (at - (float)i) * (high - low) + .5f);
     }
-}
-
-igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side, igi_image **small)
-{
-    int longest = image->width > image->height ? image->width : image->height;
-    double scale = longest > side ? (double)side / longest : 1;
-    int width = (int)fmax(1, floor(image->width * scale + .5));
-    int height = (int)fmax(1, floor(image->height * scale + .5));
-    return igi_image_resample(ctx, image, width, height, small);
 }

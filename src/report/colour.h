@@ -24,8 +24,4 @@ extern const uint8_t igi_ramp_heat[IGI_RAMP_STOPS][3];
 /* t in [0,1] along the ramp. */
 void igi_ramp_colour(const uint8_t ramp[IGI_RAMP_STOPS][3], float t, uint8_t rgb[3]);
 
-/* The image at most `side` pixels wide and high: *small is a copy. */
-IGI_MUST_USE igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side,
-                                         igi_image **small);
-
 #endif

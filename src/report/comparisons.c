@@ -4,6 +4,7 @@
  */
 #include "report/colour.h"
 #include "base/file.h"
+#include "image/resample.h"
 
 #include "base/order.h"
 #include "material/material.h"

@@ -80,6 +80,17 @@ static void png_of_16_bits(void)
     igi_context_destroy(ctx);
 }
 
+static int count_chunks(const char *path, const char *name)
+{
+    static char bytes[4096];
+    FILE *file = fopen(path, "rb");
+    size_t n = file ? fread(bytes, 1, sizeof bytes, file) : 0;
+    int count = 0;
+    for (size_t i = 0; i + 4 <= n; i++) count += memcmp(bytes + i, name, 4) == 0;
+    if (file) fclose(file);
+    return count;
+}
+
 static void saved_with_exif(void)
 {
     igi_context *ctx = test_context(1);
@@ -94,12 +105,15 @@ static void saved_with_exif(void)
                            .f_number = 5.6,
                            .iso = 400,
                            .focal_mm = 35,
+                           .orientation = 6,
                            .camera = "Test Camera"};
         igi_photo *back = NULL;
         for (int i = 0; i < 36; i++) codes[i] = (uint16_t)(i * (levels - 1) / 35);
         CHECK_OK(ctx, igi_photo_save_png(ctx, &photo, "test_photo.png"));
+        CHECK(count_chunks("test_photo.png", "eXIf") == 1);
         CHECK_OK(ctx, igi_photo_load(ctx, "test_photo.png", &back));
         if (!back) continue;
+        CHECK(back->orientation == 6 && back->width == 4 && back->height == 3);
         CHECK(back->levels == levels && memcmp(back->codes, codes, sizeof codes) == 0);
         CHECK_NEAR(back->time_s, 1 / 59., 1e-8);
         CHECK_NEAR(back->f_number, 5.6, 1e-6);
@@ -115,7 +129,7 @@ static void saved_with_exif(void)
     igi_context_destroy(ctx);
 }
 
-static void write_tiff(const char *path, int bits, int samples, const void *rows)
+static void write_tiff(const char *path, int bits, int samples, int orientation, const void *rows)
 {
     TIFF *tiff = TIFFOpen(path, "w");
     if (!tiff) abort();
@@ -128,6 +142,7 @@ static void write_tiff(const char *path, int bits, int samples, const void *rows
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
     TIFFSetField(tiff, TIFFTAG_MODEL, "Test Camera");
+    TIFFSetField(tiff, TIFFTAG_ORIENTATION, orientation);
     for (uint32_t y = 0; y < 2; y++) {
         uint16_t row[18]; /* TIFFWriteScanline may change what it is given */
         size_t bytes = (size_t)(6 * samples * bits / 8);
@@ -137,22 +152,27 @@ static void write_tiff(const char *path, int bits, int samples, const void *rows
     TIFFClose(tiff);
 }
 
+/* As stored, whatever way up they are to be shown. */
 static void tiff_of_8_and_16_bits(void)
 {
+    static const int orientations[] = {1, 3, 6};
     igi_context *ctx = test_context(1);
     uint16_t words[36];
     uint8_t bytes[36];
     for (unsigned i = 0; i < 36; i++) words[i] = (uint16_t)(i * 1777), bytes[i] = (uint8_t)(i * 7);
-    for (int samples = 1; samples <= 3; samples += 2)
+    for (int k = 0; k < 3 * 2; k++)
         for (int bits = 8; bits <= 16; bits += 8) {
             igi_photo *photo = NULL;
-            write_tiff("test_photo.tif", bits, samples, bits == 8 ? (void *)bytes : (void *)words);
+            int samples = k % 2 ? 3 : 1, orientation = orientations[k / 2];
+            write_tiff("test_photo.tif", bits, samples, orientation,
+                       bits == 8 ? (void *)bytes : (void *)words);
             CHECK_OK(ctx, igi_photo_load(ctx, "test_photo.tif", &photo));
             if (!photo) continue;
             int wrong = 0;
             for (int i = 0; i < 12 * samples; i++)
                 wrong += photo->codes[i] != (bits == 8 ? bytes[i] : words[i]);
             CHECK(photo->channels == samples && photo->levels == 1 << bits && wrong == 0);
+            CHECK(photo->orientation == orientation);
             CHECK_STR(photo->camera, "Test Camera");
             igi_photo_destroy(photo);
         }
