@@ -3,8 +3,6 @@
 
 #include "base/vec.h"
 
-#include <igi/render.h>
-
 #include <stdio.h>
 #include <string.h>
 
@@ -136,29 +134,4 @@ void chart_case_clear(chart_case *c)
     c->materials = NULL;
     c->validation = NULL;
     c->intervals = NULL;
-}
-
-igi_status chart_relit_error(igi_context *ctx, const igi_scene *scene, const igi_materials *truth,
-                             const igi_materials *got, const igi_light *lights, size_t light_count,
-                             const igi_camera *camera, int samples, double *error)
-{
-    igi_status status = IGI_OK;
-    igi_image *want = NULL, *have = NULL;
-    igi_render_options options;
-    igi_render_options_init(&options);
-    options.samples = samples;
-    *error = (double)NAN;
-    IGI_TRY_GOTO(igi_render(ctx, scene, truth, lights, light_count, camera, &options, &want, NULL));
-    IGI_TRY_GOTO(igi_render(ctx, scene, got, lights, light_count, camera, &options, &have, NULL));
-    double wrong = 0, all = 0;
-    size_t samples_count = (size_t)want->width * (size_t)want->height * (size_t)want->channels;
-    for (size_t i = 0; i < samples_count; i++) {
-        wrong += fabs((double)have->samples[i] - (double)want->samples[i]);
-        all += (double)want->samples[i];
-    }
-    if (all > 0) *error = wrong / all;
-cleanup:
-    igi_image_destroy(want);
-    igi_image_destroy(have);
-    return status;
 }

@@ -53,12 +53,4 @@ IGI_MUST_USE igi_status chart_case_run(igi_context *ctx, const igi_scene *scene,
                                        chart_case *result);
 void chart_case_clear(chart_case *c);
 
-/* The scene as the camera would see it under `lights` with the recovered materials, against the same
- * with the true ones, with the same paths so that their noise mostly cancels: the mean over pixels
- * and bands of |got - want|, over the mean of want. */
-IGI_MUST_USE igi_status chart_relit_error(igi_context *ctx, const igi_scene *scene,
-                                          const igi_materials *truth, const igi_materials *got,
-                                          const igi_light *lights, size_t light_count,
-                                          const igi_camera *camera, int samples, double *error);
-
 #endif

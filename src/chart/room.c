@@ -163,5 +163,6 @@ void chart_room_clear(chart_room *room)
 {
     igi_free(room->folder);
     igi_free(room->spec);
+    chart_relit_clear(&room->relit);
     *room = (chart_room){0};
 }

@@ -9,9 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define RELIT_WIDTH 96 /* pixels: enough for a mean over a picture */
-#define RELIT_SAMPLES 64
-
 /* A rung: the side of a patch in multiples of the standard one, and rays; 0: the method's own. Or an
  * error to aim at: igi chooses the photographs, pixels, patches and rays. */
 typedef struct rung {
@@ -45,22 +42,6 @@ static void forget_peak(void)
     if (!file) return;
     fputs("5", file);
     fclose(file);
-}
-
-/* Under lights that recovery never saw, as the first camera sees it. */
-static igi_status relight(igi_context *ctx, const speed_subject *s, const chart_case *c,
-                          double *error)
-{
-    igi_camera camera = s->scene->frames[0].camera;
-    double shrink = RELIT_WIDTH / (double)camera.width;
-    camera.width = RELIT_WIDTH;
-    camera.height = (int)(camera.height * shrink);
-    camera.fl_x *= shrink;
-    camera.fl_y *= shrink;
-    camera.cx *= shrink;
-    camera.cy *= shrink;
-    return chart_relit_error(ctx, s->scene, s->truth, c->materials, s->lights, s->light_count,
-                             &camera, RELIT_SAMPLES, error);
 }
 
 static void describe(const chart_case *c, speed_row *row)
@@ -122,7 +103,7 @@ static igi_status climb(igi_context *ctx, const speed_subject *s, const rung *st
     row->cpu_s += s->load_s;
     IGI_TRY_GOTO(chart_reference_seconds(ctx, &after));
     row->ratio = row->cpu_s / ((before + after) / 2);
-    if (s->lights && c.materials) IGI_TRY_GOTO(relight(ctx, s, &c, &row->relit));
+    if (c.materials) IGI_TRY_GOTO(chart_relit_error(ctx, &s->relit, c.materials, &row->relit));
     rows->count++;
 cleanup:
     chart_case_clear(&c);

@@ -6,6 +6,7 @@
 #define IGI_SRC_CHART_SPEED_H
 
 #include "chart/case.h"
+#include "chart/relit.h"
 
 #include <igi/output.h>
 
@@ -71,8 +72,7 @@ typedef struct speed_subject {
     igi_materials *truth;
     double patch_m;    /* the standard one */
     double load_s;     /* CPU seconds that loading the scene took */
-    igi_light *lights; /* novel ones, to relight with; NULL: none are known */
-    size_t light_count;
+    chart_relit relit; /* by novel lights, as the first camera sees it; or nothing */
 } speed_subject;
 
 typedef struct speed_subjects {

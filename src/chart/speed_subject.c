@@ -9,6 +9,8 @@
 
 #include <math.h>
 
+#define RELIT_WIDTH 96 /* pixels: enough for a mean over a picture */
+#define RELIT_SAMPLES 64
 #define PATCH_SHARE 0.0105 /* of the scene's diagonal: what recovery takes by itself */
 
 static const char *const standard_specs[SPEED_STANDARD_SCENES] = {"demo-room.json",
@@ -16,7 +18,7 @@ static const char *const standard_specs[SPEED_STANDARD_SCENES] = {"demo-room.jso
 
 static void clear_subject(speed_subject *s)
 {
-    igi_lights_destroy(s->lights, s->light_count);
+    chart_relit_clear(&s->relit);
     igi_materials_destroy(s->truth);
     igi_scene_destroy(s->scene);
     *s = (speed_subject){0};
@@ -33,6 +35,27 @@ static double diagonal(const igi_mesh *mesh)
     return (double)igi_length(igi_sub(high, low));
 }
 
+/* Under lights that recovery never saw, as the first camera sees it. */
+static igi_status load_relit(igi_context *ctx, const char *folder, speed_subject *s)
+{
+    char *path = NULL;
+    igi_camera camera = s->scene->frames[0].camera;
+    double shrink = RELIT_WIDTH / (double)camera.width;
+    camera.width = RELIT_WIDTH;
+    camera.height = (int)(camera.height * shrink);
+    camera.fl_x *= shrink;
+    camera.fl_y *= shrink;
+    camera.cx *= shrink;
+    camera.cy *= shrink;
+    s->relit = (chart_relit){.scene = s->scene, .camera = camera, .samples = RELIT_SAMPLES};
+    IGI_TRY(igi_strprintf(ctx, &path, "%s/relit/lights.json", folder));
+    igi_status status = igi_lights_load(ctx, s->scene, path, &s->relit.own_lights,
+                                        &s->relit.light_count);
+    igi_free(path);
+    s->relit.lights = s->relit.own_lights;
+    return status == IGI_OK ? chart_relit_begin(ctx, s->truth, &s->relit) : status;
+}
+
 static igi_status load_subject(igi_context *ctx, const char *folder, bool relit, speed_subject *s)
 {
     igi_status status = IGI_OK;
@@ -44,12 +67,7 @@ static igi_status load_subject(igi_context *ctx, const char *folder, bool relit,
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/truth", folder));
     IGI_TRY_GOTO(igi_materials_load(ctx, path, &s->truth));
     s->patch_m = PATCH_SHARE * diagonal(&s->scene->mesh);
-    if (relit) {
-        igi_free(path);
-        path = NULL;
-        IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/relit/lights.json", folder));
-        IGI_TRY_GOTO(igi_lights_load(ctx, s->scene, path, &s->lights, &s->light_count));
-    }
+    if (relit) IGI_TRY_GOTO(load_relit(ctx, folder, s));
 cleanup:
     igi_free(path);
     if (status != IGI_OK) clear_subject(s);

@@ -9,6 +9,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "chart/case.h"
+#include "chart/relit.h"
 #include "scene/json.h"
 #include "trace/trace.h"
 
@@ -93,6 +94,7 @@ typedef struct chart_room {
     char *folder; /* where it is, or will be */
     char *spec;   /* text of the spec to render; NULL: nothing is to be rendered */
     uint64_t seed;
+    chart_relit relit; /* what results of it are compared with, once the caller has loaded it */
 } chart_room;
 
 /* Where the room of that base lies or will lie. `set` may have no value. */

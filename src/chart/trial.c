@@ -7,7 +7,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define RELIT_SAMPLES 16
 #define SILENT_SIGMAS (3 * 1.96)
 
 /* Its bands, and the channel in which merging marks what is saturated. */
@@ -101,42 +100,8 @@ static igi_status collect_signs(igi_context *ctx, const igi_materials *m, chart_
     return IGI_OK;
 }
 
-/* The room under the lights of its relit/, as it was before anything was broken. */
-static igi_status relit_error(igi_context *ctx, const chart_trial *t, const igi_materials *truth,
-                              const igi_materials *got, double *error)
-{
-    igi_status status = IGI_OK;
-    igi_scene *scene = NULL;
-    igi_light *lights = NULL;
-    igi_frame *frames = NULL;
-    size_t light_count = 0, frame_count = 0;
-    char *lights_path = NULL, *cameras = NULL;
-    *error = (double)NAN;
-    IGI_TRY_GOTO(igi_strprintf(ctx, &lights_path, "%s/relit/lights.json", t->room->folder));
-    IGI_TRY_GOTO(igi_strprintf(ctx, &cameras, "%s/relit/transforms.json", t->room->folder));
-    if (!igi_file_exists(lights_path) || !igi_file_exists(cameras)) goto cleanup;
-    IGI_TRY_GOTO(igi_scene_load(ctx, t->room->folder, &scene));
-    for (size_t r = 0; r < scene->region_count; r++) {
-        size_t i = 0;
-        while (i < got->count && strcmp(got->materials[i].region, scene->regions[r].name) != 0) i++;
-        if (i == got->count && !scene->regions[r].emitter) goto cleanup; /* merged, or missing */
-    }
-    IGI_TRY_GOTO(igi_lights_load(ctx, scene, lights_path, &lights, &light_count));
-    IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &frame_count));
-    IGI_TRY_GOTO(chart_relit_error(ctx, scene, truth, got, lights, light_count, &frames[0].camera,
-                                   RELIT_SAMPLES, error));
-cleanup:
-    igi_scene_destroy(scene);
-    igi_lights_destroy(lights, light_count);
-    igi_frames_destroy(frames, frame_count);
-    igi_free(lights_path);
-    igi_free(cameras);
-    return status;
-}
-
 /* Takes over the intervals. */
-static igi_status note_result(igi_context *ctx, chart_case *c, const igi_materials *truth,
-                              chart_trial *t)
+static igi_status note_result(igi_context *ctx, chart_case *c, chart_trial *t)
 {
     t->status = c->status;
     if (c->status != IGI_OK) { /* without the folders, which differ from run to run */
@@ -157,7 +122,7 @@ static igi_status note_result(igi_context *ctx, chart_case *c, const igi_materia
     t->interval_count = c->interval_count;
     c->intervals = NULL;
     IGI_TRY(collect_signs(ctx, c->materials, t));
-    return relit_error(ctx, t, truth, c->materials, &t->relit);
+    return chart_relit_error(ctx, &t->room->relit, c->materials, &t->relit);
 }
 
 /* A region of which the changed views see too little is not judged. */
@@ -183,7 +148,7 @@ static igi_status recover(igi_context *ctx, chart_subject *s, chart_trial *t)
     IGI_TRY(chart_case_recover(ctx, s->scene, &options, t->seed, &c));
     lower_judged(&c, s->truth);
     IGI_TRY_GOTO(chart_case_judge(ctx, s->truth, &c));
-    IGI_TRY_GOTO(note_result(ctx, &c, s->truth, t));
+    IGI_TRY_GOTO(note_result(ctx, &c, t));
 cleanup:
     chart_case_clear(&c);
     return status;

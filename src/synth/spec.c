@@ -161,7 +161,7 @@ igi_status spec_load(igi_context *ctx, const char *path, spec *s)
 {
     static const char *const known[] = {"igi_synth", "name",    "about",  "bands",
                                         "materials", "shapes",  "lights", "random",
-                                        "views",     "heldout", "relit"};
+                                        "views",     "heldout", "relit",  "highlights"};
     int bands = 3;
     double version;
     *s = (spec){.name = ""};
@@ -185,6 +185,9 @@ igi_status spec_load(igi_context *ctx, const char *path, spec *s)
     IGI_TRY(read_materials(ctx, s, bands));
     IGI_TRY(read_shapes(ctx, s));
     s->lights = igi_json_member(&s->root, "lights");
+    igi_json highlights = igi_json_member(&s->root, "highlights");
+    s->highlights = true;
+    if (highlights.value) IGI_TRY(igi_json_bool(ctx, &highlights, &s->highlights));
     IGI_TRY(read_views(ctx, s));
     return read_relit(ctx, s);
 }

@@ -204,7 +204,7 @@ static igi_status take_pictures(maker *m, const char *folder, const view_set *vi
     igi_stage_begin(m->ctx, by->stage);
     IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed,
                                      &(igi_layers){.pictures = pictures}));
-    if (!folder[0])
+    if (!folder[0] && m->spec.highlights)
         IGI_TRY_GOTO(highlights_count(m->ctx, m->scene, m->tracer, m->spec.materials, cameras,
                                       count, pictures, m->highlight));
     IGI_TRY_GOTO(raw_photos(m, folder) ? save_photos(m, &cameras[0], pictures, count)
@@ -293,7 +293,7 @@ static igi_status make_scene(maker *m)
     IGI_TRY_GOTO(write_manifest(m));
     IGI_TRY_GOTO(make_maps(m));
     IGI_TRY_GOTO(igi_tracer_create(m->ctx, &scene->mesh, &m->tracer));
-    IGI_TRY_GOTO(IGI_ALLOC(m->ctx, scene->region_count, &m->highlight));
+    if (m->spec.highlights) IGI_TRY_GOTO(IGI_ALLOC(m->ctx, scene->region_count, &m->highlight));
     lit_by by = {"photographs", scene->lights, scene->light_count};
     IGI_TRY_GOTO(make_views(m, "", &m->spec.views, &by, &cameras, &count));
     IGI_TRY_GOTO(path_in(m, "truth/truth.json", &path));

@@ -60,6 +60,7 @@ typedef struct spec {
     igi_json lights;
     view_set views, heldout;
     bool has_heldout;
+    bool highlights; /* count the pixels that show them */
     relit_set *relit;
     size_t relit_count;
     igi_json relit_array, *relit_elements; /* parents of relit[].lights */
@@ -114,7 +115,7 @@ IGI_MUST_USE igi_status highlights_count(igi_context *ctx, const igi_scene *scen
 typedef struct shown {
     const igi_camera *cameras;
     size_t camera_count;
-    const size_t *highlight; /* [regions] pixels */
+    const size_t *highlight; /* [regions] pixels; NULL: nobody counted them */
 } shown;
 
 /* Copies the files that the spec's lights name into the scene's folder; *lights, the caller's, names

@@ -54,7 +54,7 @@ static const igi_material *material_named(const igi_materials *materials, const 
 
 /* "roughness" is glTF's, the square root of alpha, for ggx; elsewhere alpha itself. */
 static int add_region(json_t *regions, const igi_region *region, const igi_material *m, int bands,
-                      double seen, size_t highlight)
+                      double seen, const size_t *highlight)
 {
     bool glossy = m->model != IGI_LAMBERT;
     json_t *o = json_object();
@@ -71,7 +71,8 @@ static int add_region(json_t *regions, const igi_region *region, const igi_mater
     bad |= json_object_set_new(o, "model", json_string(igi_model_name(m->model)));
     if (glossy) {
         bad |= json_object_set_new(o, "alpha", json_real(m->alpha));
-        bad |= json_object_set_new(o, "highlight_pixels", json_integer((json_int_t)highlight));
+        if (highlight)
+            bad |= json_object_set_new(o, "highlight_pixels", json_integer((json_int_t)*highlight));
     }
     if (m->map && region->uvs_wrap) bad |= json_object_set_new(o, "uv_wrap", json_true());
     if (m->emitter) bad |= json_object_set_new(o, "emitter", json_true());
@@ -88,7 +89,8 @@ igi_status truth_save(igi_context *ctx, const spec *s, const igi_scene *scene,
         const igi_region *region = &scene->regions[i];
         const igi_material *m = material_named(s->materials, region->name);
         double seen = seen_share(scene, tracer, i, by);
-        bad = !m || add_region(regions, region, m, scene->bands, seen, by->highlight[i]);
+        bad = !m || add_region(regions, region, m, scene->bands, seen,
+                               by->highlight ? &by->highlight[i] : NULL);
     }
     json_t *lights = json_array();
     for (size_t i = 0; i < scene->light_count; i++)

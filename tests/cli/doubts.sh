@@ -25,6 +25,7 @@ sed 's/"width": 96, "height": 72, "samples": 16/"width": 64, "height": 48, "samp
     s/"model": "ward", "specular": 0.1, "alpha": 0.15/"model": "phong", "specular": 0.3, "alpha": 0.15/' \
     "$sweeps/rooms/room.json" >phong.json
 expect 0 "" "$igi" synth -q phong.json -o phong
+if grep -q highlight_pixels phong/truth/truth.json; then fail "highlights were counted though nobody wants them"; fi
 expect 0 "" "$igi" recover -q phong -o asked --model ward
 grep -q "shape of phong's lobe rather than ward's" asked/materials.json || fail "a family that does not fit"
 expect 0 "" "$igi" recover -q phong -o free
