@@ -123,6 +123,51 @@ static void fill_seen(const solver *s)
     }
 }
 
+/* By how much irradiance is off where all guesses are, by one standard deviation, together: of each
+ * unseen side of a region that nothing determines. false: there is no such side. */
+static bool fill_guessed(const solver *s, const igi_diffuse *d, float *guessed)
+{
+    bool any = false;
+    for (size_t i = s->rows->seen_count; i < s->rows->count; i++) {
+        uint32_t side = s->rows->side[i], region = igi_patch_region(s->problem->patches, side >> 1);
+        if (d->determined[region]) continue;
+        for (size_t b = 0; b < s->bands; b++)
+            guessed[side * s->bands + b] = (float)(d->albedo_std[region][b] / IGI_PI) *
+                                           s->irradiance[i * s->bands + b];
+        any = true;
+    }
+    return any;
+}
+
+/* What no photograph shows sends light of which nobody knows how much; it is the same for all places
+ * of a region, so their residuals do not tell. */
+static igi_status widen_by_guesses(igi_context *ctx, const solver *s, igi_diffuse *d)
+{
+    igi_status status = IGI_OK;
+    size_t bands = s->bands, regions = s->problem->scene->region_count;
+    float *guessed = NULL, off[IGI_MAX_BANDS];
+    double(*sums)[IGI_MAX_BANDS][2] = NULL; /* [regions] light off, light received */
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * s->problem->patches->count * bands, &guessed));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &sums));
+    if (!fill_guessed(s, d, guessed)) goto cleanup;
+    for (size_t i = 0; i < s->places.count; i++) {
+        igi_row_indirect(s->rows, i, guessed, (int)bands, off);
+        for (size_t b = 0; b < bands; b++) {
+            double *sum = sums[s->places.region[i]][b], weight = (double)s->places.weight[i];
+            sum[0] += weight * (double)off[b];
+            sum[1] += weight * (double)s->irradiance[i * bands + b];
+        }
+    }
+    for (size_t r = 0; r < regions; r++)
+        for (size_t b = 0; b < bands && d->determined[r]; b++)
+            d->albedo_std[r][b] = hypot(d->albedo_std[r][b], d->albedo[r][b] * sums[r][b][0] /
+                                                                 fmax(sums[r][b][1], 1e-30));
+cleanup:
+    igi_free(guessed);
+    igi_free(sums);
+    return status;
+}
+
 igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
                              const igi_correction *correction, igi_diffuse *diffuse)
 {
@@ -145,6 +190,7 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
     for (int i = 0; i < MAX_SWEEPS; i++)
         if (sweep(&s, sums) < SETTLED) break;
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &s.places, diffuse));
+    IGI_TRY_GOTO(widen_by_guesses(ctx, &s, diffuse));
     IGI_TRY_GOTO(igi_powers_finish(ctx, s.powers, &s.places, diffuse));
 cleanup:
     igi_free(s.direct);
