@@ -105,6 +105,10 @@ void cli_command_line(const cli_session *session, char *text, size_t size);
 void cli_print_json_string(const char *text);
 /* A number with six digits, or null. */
 void cli_print_json_number(double x);
+/* One more number of an object: , "name": x */
+void cli_print_json_field(const char *name, double x);
+/* With --json, begins the object that says what was written: {"output": path. The caller ends it. */
+bool cli_begin_written(const cli_session *session, const char *path);
 /* "12.3 %" of a fraction, right-aligned in `width`; "-" when it is not a number. */
 void cli_print_percent(double fraction, int width);
 /* The width of the longest of the names, in characters, at least `least`. */

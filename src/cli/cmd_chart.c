@@ -125,7 +125,9 @@ static igi_status draw(cli_session *s, const igi_chart_options *options, const c
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     igi_output_destroy(output);
     cli_progress_clear(&s->progress);
-    if (status == IGI_OK && !s->values.quiet && !s->values.json)
+    bool told = s->values.json && strcmp(kind, "stability") == 0;
+    if (status == IGI_OK && !told && cli_begin_written(s, s->values.output)) puts("}");
+    else if (status == IGI_OK && !told && !s->values.quiet)
         printf("%s: written; look at %s/%s.png\n", s->values.output, s->values.output, kind);
     return status;
 }

@@ -90,7 +90,10 @@ static igi_status run(cli_session *s)
     if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output));
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     cli_progress_clear(&s->progress);
-    if (status == IGI_OK && !s->values.quiet)
+    if (status == IGI_OK && cli_begin_written(s, s->values.output)) {
+        cli_print_json_field("images", s->argument_count);
+        puts("}");
+    } else if (status == IGI_OK && !s->values.quiet)
         printf("%s: %d image%s corrected\n", s->values.output, s->argument_count,
                s->argument_count == 1 ? "" : "s");
     igi_output_destroy(output);

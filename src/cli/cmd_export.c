@@ -24,7 +24,8 @@ static igi_status run(cli_session *s)
     options.command = command;
     igi_status status = igi_export(s->context, s->arguments[0], &options, values->output);
     cli_progress_clear(&s->progress);
-    if (status == IGI_OK && !values->quiet) printf("%s: written\n", values->output);
+    if (status == IGI_OK && cli_begin_written(s, values->output)) puts("}");
+    else if (status == IGI_OK && !values->quiet) printf("%s: written\n", values->output);
     return status;
 }
 

@@ -138,12 +138,28 @@ static void print_plan(const igi_scene *scene, const cli_values *values)
     size_t pixels = 0;
     for (size_t i = 0; i < scene->frame_count; i++)
         pixels += (size_t)scene->frames[i].camera.width * (size_t)scene->frames[i].camera.height;
-    printf("%s: %zu photographs, %.2f million pixels, %d bands; %zu triangles in %zu regions; "
-           "%zu lights\n"
-           "would recover by %s%s%s; nothing was written\n",
-           scene->name, scene->frame_count, (double)pixels * 1e-6, scene->bands,
-           scene->mesh.triangle_count, scene->region_count, scene->light_count, values->method,
-           values->output ? " into " : "", values->output ? values->output : "");
+    const struct {
+        const char *one, *many;
+        size_t count;
+    } parts[] = {{"photograph", "photographs", scene->frame_count},
+                 {"pixel", "pixels", pixels},
+                 {"band", "bands", (size_t)scene->bands},
+                 {"triangle", "triangles", scene->mesh.triangle_count},
+                 {"region", "regions", scene->region_count},
+                 {"light", "lights", scene->light_count}};
+    if (values->json) fputs("{\"scene\": ", stdout);
+    if (values->json) cli_print_json_string(scene->name);
+    else printf("%s:", scene->name);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        if (values->json) printf(", \"%s\": %zu", parts[i].many, parts[i].count);
+        else
+            printf("%s %zu %s", i ? "," : "", parts[i].count,
+                   parts[i].count == 1 ? parts[i].one : parts[i].many);
+    }
+    if (values->json) puts("}");
+    else
+        printf("\nwould recover by %s%s%s; nothing was written\n", values->method,
+               values->output ? " into " : "", values->output ? values->output : "");
 }
 
 static igi_status recover_into(cli_session *s, const igi_scene *scene, igi_output *output)

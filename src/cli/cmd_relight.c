@@ -28,6 +28,26 @@ static igi_status save_manifest(cli_session *s, const char *folder, double noise
     return igi_manifest_save(s->context, &manifest, folder);
 }
 
+/* Noise is that of a pixel, relative; `doubt` what materials and lights leave, with --sigma. */
+static void print_result(const cli_session *s, double noise, const double doubt[2])
+{
+    const cli_values *values = &s->values;
+    if (cli_begin_written(s, values->output)) {
+        if (values->cameras) cli_print_json_field("noise", noise);
+        if (values->sigma) cli_print_json_field("pixel", doubt[0]);
+        if (values->sigma) cli_print_json_field("picture", doubt[1]);
+        puts("}");
+        return;
+    }
+    if (values->quiet) return;
+    printf("%s: written", values->output);
+    if (values->cameras) printf("; noise of a pixel %.3g %% of the mean", 100 * noise);
+    puts("");
+    if (values->sigma)
+        printf("uncertain by %.3g %% a pixel, %.3g %% a picture as a whole (1 sigma, at most)\n",
+               100 * doubt[0], 100 * doubt[1]);
+}
+
 static igi_status run(cli_session *s)
 {
     const cli_values *values = &s->values;
@@ -71,11 +91,7 @@ static igi_status run(cli_session *s)
     if (status == IGI_OK) status = save_manifest(s, igi_output_folder(output), noise);
     if (status == IGI_OK) status = igi_output_commit(s->context, output);
     cli_progress_clear(&s->progress);
-    if (status == IGI_OK && !values->quiet)
-        printf("%s: written; noise %.3g %%\n", values->output, 100 * noise);
-    if (status == IGI_OK && values->sigma && !values->quiet)
-        printf("uncertain by %.3g %% a pixel, %.3g %% a picture as a whole (1 sigma, at most)\n",
-               100 * doubt[0], 100 * doubt[1]);
+    if (status == IGI_OK) print_result(s, noise, doubt);
     igi_output_destroy(output);
     return status;
 }

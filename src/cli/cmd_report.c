@@ -8,6 +8,10 @@ static igi_status run(cli_session *s)
 {
     const char *folder = s->arguments[0];
     igi_status status = IGI_OK;
+    if (!s->values.relight && (s->values.cameras || s->values.samples > 0)) {
+        fprintf(stderr, "igi: report: --cameras and --samples are of the pictures of --relight\n");
+        return IGI_E_USAGE;
+    }
     if (s->values.relight) {
         igi_basis_options options;
         igi_basis_options_init(&options);

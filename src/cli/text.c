@@ -49,6 +49,20 @@ void cli_print_json_number(double x)
     else printf("null");
 }
 
+void cli_print_json_field(const char *name, double x)
+{
+    printf(", \"%s\": ", name);
+    cli_print_json_number(x);
+}
+
+bool cli_begin_written(const cli_session *s, const char *path)
+{
+    if (!s->values.json) return false;
+    fputs("{\"output\": ", stdout);
+    cli_print_json_string(path);
+    return true;
+}
+
 void cli_print_percent(double fraction, int width)
 {
     if (!isfinite(fraction)) printf("%*s", width, "-");

@@ -76,21 +76,6 @@ static void print_warnings(const igi_page *page)
     fputs("</ul></div>\n", f);
 }
 
-static void print_contents(const igi_page *page)
-{
-    static const char *const sections[][2] = {{"materials", "Materials"},
-                                              {"balls", "Balls"},
-                                              {"evidence", "Evidence"},
-                                              {"lights", "Lights"},
-                                              {"maps", "Maps"},
-                                              {"views", "Photograph against prediction"},
-                                              {"cost", "Cost"}};
-    fputs("<nav aria-label=\"sections\">", page->file);
-    for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++)
-        fprintf(page->file, "<a href=\"#%s\">%s</a> ", sections[i][0], sections[i][1]);
-    fputs("</nav>\n", page->file);
-}
-
 static igi_status print_head(const igi_page *page)
 {
     igi_page_begin(page, page->materials->scene[0] ? page->materials->scene : "a scene",
@@ -101,14 +86,14 @@ static igi_status print_head(const igi_page *page)
     IGI_TRY(igi_page_first_view(page));
     print_tiles(page);
     fputs("</div>\n", page->file);
-    print_contents(page);
     return IGI_OK;
 }
 
-static void print_meaning(const igi_page *page)
+static igi_status print_meaning(const igi_page *page)
 {
     fputs(
-        "<section><h2>What the error bars mean</h2><p>An albedo is the light that leaves a surface "
+        "<section id=\"meaning\"><h2>What the error bars mean</h2><p>An albedo is the light that "
+        "leaves a surface "
         "over the light that arrives, &rho; = &pi;&thinsp;L / E. One standard deviation "
         "(1&thinsp;&sigma;) holds the photographs' noise, the sampling of the arriving light, and "
         "the doubt about lights and surfaces that had to be solved for. If these were all the "
@@ -118,22 +103,80 @@ static void print_meaning(const igi_page *page)
         "of scale common to all photographs and lights moves albedos by about (1 &minus; &rho;) "
         "of itself.</p></section>\n",
         page->file);
+    return IGI_OK;
 }
+
+static bool has_always(const igi_page *page)
+{
+    return page != NULL;
+}
+
+static bool has_evidence(const igi_page *page)
+{
+    return json_object_size(json_object_get(page->evidence, "regions")) > 0;
+}
+
+static bool has_lights(const igi_page *page)
+{
+    return page->materials->light_count > 0;
+}
+
+static bool has_maps(const igi_page *page)
+{
+    for (size_t i = 0; i < page->materials->count; i++)
+        if (igi_page_has_map(&page->materials->materials[i])) return true;
+    return false;
+}
+
+static bool has_views(const igi_page *page)
+{
+    return json_array_size(json_object_get(page->comparisons, "views")) > 0;
+}
+
+static bool has_relight(const igi_page *page)
+{
+    return json_array_size(json_object_get(page->relight, "lights")) > 0 &&
+           json_array_size(json_object_get(page->relight, "views")) > 0;
+}
+
+static bool has_costs(const igi_page *page)
+{
+    return json_array_size(json_object_get(page->manifest, "stages")) > 0;
+}
+
+static bool has_manifest(const igi_page *page)
+{
+    return page->manifest != NULL;
+}
+
+static const struct section {
+    const char *id, *title;
+    bool (*has)(const igi_page *);
+    igi_status (*print)(const igi_page *);
+} sections[] = {{"materials", "Materials", has_always, igi_page_table},
+                {"balls", "Balls", has_always, igi_page_spheres},
+                {"evidence", "Evidence", has_evidence, igi_page_evidence},
+                {"lights", "Lights", has_lights, igi_page_lights},
+                {"maps", "Maps", has_maps, igi_page_maps},
+                {"views", "Photograph against prediction", has_views, igi_page_views},
+                {"relight", "Relight by hand", has_relight, igi_page_relight},
+                {"meaning", "What the error bars mean", has_always, print_meaning},
+                {"cost", "Cost", has_costs, igi_page_costs},
+                {"provenance", "Provenance", has_manifest, igi_page_provenance}};
+
+enum { SECTION_COUNT = sizeof sections / sizeof sections[0] };
 
 static igi_status print_page(const igi_page *page, const void *unused)
 {
     (void)unused;
     IGI_TRY(print_head(page));
-    igi_page_table(page);
-    IGI_TRY(igi_page_spheres(page));
-    igi_page_evidence(page);
-    igi_page_lights(page);
-    IGI_TRY(igi_page_maps(page));
-    IGI_TRY(igi_page_views(page));
-    IGI_TRY(igi_page_relight(page));
-    print_meaning(page);
-    igi_page_costs(page);
-    igi_page_provenance(page);
+    fputs("<nav aria-label=\"sections\">", page->file);
+    for (size_t i = 0; i < SECTION_COUNT; i++)
+        if (sections[i].has(page))
+            fprintf(page->file, "<a href=\"#%s\">%s</a> ", sections[i].id, sections[i].title);
+    fputs("</nav>\n", page->file);
+    for (size_t i = 0; i < SECTION_COUNT; i++)
+        if (sections[i].has(page)) IGI_TRY(sections[i].print(page));
     igi_page_end(page);
     return IGI_OK;
 }

@@ -52,17 +52,20 @@ void igi_page_percent(const igi_page *page, double fraction);
 /* Largest sigma/albedo over the bands. */
 double igi_material_share(const igi_material *material, int bands);
 
-/* Sections. */
-void igi_page_table(const igi_page *page);
-IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
+/* Has the region a map to show? */
+bool igi_page_has_map(const igi_material *material);
 /* One photograph and its albedo, two figures. */
 IGI_MUST_USE igi_status igi_page_first_view(const igi_page *page);
+
+/* Sections; page.c knows which of them have something to say. */
+IGI_MUST_USE igi_status igi_page_table(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_spheres(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_evidence(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_lights(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_maps(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_views(const igi_page *page);
 IGI_MUST_USE igi_status igi_page_relight(const igi_page *page);
-IGI_MUST_USE igi_status igi_page_spheres(const igi_page *page);
-void igi_page_evidence(const igi_page *page);
-void igi_page_lights(const igi_page *page);
-void igi_page_costs(const igi_page *page);
-void igi_page_provenance(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_costs(const igi_page *page);
+IGI_MUST_USE igi_status igi_page_provenance(const igi_page *page);
 
 #endif

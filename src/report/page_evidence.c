@@ -155,11 +155,10 @@ static void print_totals(const igi_page *page, json_t *regions)
             sums[0], sums[1], sums[2] * 1e-3, sums[3] * 1e-3);
 }
 
-void igi_page_evidence(const igi_page *page)
+igi_status igi_page_evidence(const igi_page *page)
 {
     FILE *f = page->file;
     json_t *regions = json_object_get(page->evidence, "regions");
-    if (json_object_size(regions) == 0) return;
     fputs(
         "<section id=\"evidence\"><h2>Evidence</h2><p class=\"soft\">A lobe, or a texture in place "
         "of one albedo, is given only where the photographs "
@@ -177,4 +176,5 @@ void igi_page_evidence(const igi_page *page)
         print_row(page, json_object_iter_key(it), json_object_iter_value(it));
     print_totals(page, regions);
     fputs("</table></div></section>\n", f);
+    return IGI_OK;
 }

@@ -51,12 +51,11 @@ static void print_light(const igi_page *page, const igi_light *light, const doub
                           : "given");
 }
 
-void igi_page_lights(const igi_page *page)
+igi_status igi_page_lights(const igi_page *page)
 {
     FILE *f = page->file;
     const igi_materials *all = page->materials;
     static const char *const rgb[] = {"red", "green", "blue"};
-    if (all->light_count == 0) return;
     fputs("<section id=\"lights\"><h2>Lights</h2><div class=\"card scroll\" "
           "tabindex=\"0\"><table><thead><tr><th "
           "class=\"l\">kind"
@@ -70,4 +69,5 @@ void igi_page_lights(const igi_page *page)
     for (size_t i = 0; i < all->light_count; i++)
         print_light(page, &all->lights[i], all->light_std[i]);
     fputs("</tbody></table></div></section>\n", f);
+    return IGI_OK;
 }

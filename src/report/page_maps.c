@@ -119,24 +119,23 @@ cleanup:
     return status;
 }
 
+bool igi_page_has_map(const igi_material *material)
+{
+    return material->map && !material->emitter;
+}
+
 igi_status igi_page_maps(const igi_page *page)
 {
-    bool begun = false;
     int side = page->materials->count > MANY ? SMALL_SIDE : MAP_SIDE;
+    fputs("<section id=\"maps\"><h2>Maps</h2><p class=\"soft\">Albedo over each region's texture "
+          "square, and one standard deviation of it. Chequered texels are seen by no photograph: "
+          "they are filled in from their neighbours and their region, and their error bar says "
+          "so.</p><div class=\"grid\">\n",
+          page->file);
     for (size_t i = 0; i < page->materials->count; i++) {
         const igi_material *m = &page->materials->materials[i];
-        if (!m->map || m->emitter) continue;
-        if (!begun)
-            fputs("<section id=\"maps\"><h2>Maps</h2><p class=\"soft\">Albedo over each region's "
-                  "texture square, "
-                  "and one standard deviation of it. Chequered texels are seen by no photograph: "
-                  "they "
-                  "are filled in from their neighbours and their region, and their error bar says "
-                  "so.</p><div class=\"grid\">\n",
-                  page->file);
-        begun = true;
-        IGI_TRY(print_card(page, m, side));
+        if (igi_page_has_map(m)) IGI_TRY(print_card(page, m, side));
     }
-    if (begun) fputs("</div></section>\n", page->file);
+    fputs("</div></section>\n", page->file);
     return IGI_OK;
 }

@@ -82,7 +82,7 @@ static void print_heading(FILE *f, const char *label, bool left)
     fprintf(f, "<th%s><button type=\"button\">%s</button></th>", left ? " class=\"l\"" : "", label);
 }
 
-void igi_page_table(const igi_page *page)
+igi_status igi_page_table(const igi_page *page)
 {
     FILE *f = page->file;
     const igi_materials *all = page->materials;
@@ -121,4 +121,5 @@ void igi_page_table(const igi_page *page)
         print_notes(page, &all->materials[i], lobes);
     }
     fputs("</tbody></table></div></section>\n", f);
+    return IGI_OK;
 }

@@ -17,13 +17,12 @@ static const char *text(const json_t *object, const char *key)
     return value ? value : "";
 }
 
-void igi_page_costs(const igi_page *page)
+igi_status igi_page_costs(const igi_page *page)
 {
     FILE *f = page->file;
     const json_t *stages = json_object_get(page->manifest, "stages");
     size_t count = json_array_size(stages);
     double longest = 1e-9, total[3] = {0, 0, 0};
-    if (count == 0) return;
     for (size_t i = 0; i < count; i++)
         longest = fmax(longest, number(json_array_get(stages, i), "cpu_s"));
     fputs("<section id=\"cost\"><h2>Cost</h2><p class=\"soft\">CPU seconds are those of all "
@@ -51,6 +50,7 @@ void igi_page_costs(const igi_page *page)
             "<tr><td class=\"l\"><b>all</b></td><td></td><td><b>%.3f</b></td><td><b>%.3f</b></td>"
             "<td><b>%.2f</b></td><td></td></tr></tbody></table></div></section>\n",
             total[0], total[1], total[2] * 1e-6);
+    return IGI_OK;
 }
 
 static void print_options(const igi_page *page)
@@ -90,11 +90,12 @@ static void print_inputs(const igi_page *page)
     fputs("</tbody></table></div></details>\n", f);
 }
 
-void igi_page_provenance(const igi_page *page)
+igi_status igi_page_provenance(const igi_page *page)
 {
     FILE *f = page->file;
-    if (!page->manifest) return;
-    fputs("<section><h2>Provenance</h2><dl class=\"facts\"><dt>program</dt><dd>igi ", f);
+    fputs("<section id=\"provenance\"><h2>Provenance</h2><dl "
+          "class=\"facts\"><dt>program</dt><dd>igi ",
+          f);
     igi_page_text(page, text(page->manifest, "version"));
     fputs("</dd><dt>written</dt><dd>", f);
     igi_page_text(page, text(page->manifest, "written"));
@@ -106,4 +107,5 @@ void igi_page_provenance(const igi_page *page)
             number(page->manifest, "threads"), number(page->manifest, "seed"));
     print_inputs(page);
     fputs("</section>\n", f);
+    return IGI_OK;
 }

@@ -104,7 +104,6 @@ igi_status igi_page_relight(const igi_page *page)
     FILE *f = page->file;
     const json_t *lamps = json_object_get(page->relight, "lights");
     const json_t *views = json_object_get(page->relight, "views");
-    if (json_array_size(lamps) == 0 || json_array_size(views) == 0) return IGI_OK;
     fprintf(
         f,
         "<section id=\"relight\" data-exposure=\"%.9g\"><h2>Relight by hand</h2><p "

@@ -77,7 +77,6 @@ igi_status igi_page_first_view(const igi_page *page)
 igi_status igi_page_views(const igi_page *page)
 {
     const json_t *views = json_object_get(page->comparisons, "views");
-    if (json_array_size(views) == 0) return IGI_OK;
     double limit = 100 * json_number_value(json_object_get(page->comparisons, "limit"));
     fprintf(
         page->file,

@@ -19,7 +19,20 @@ grep -qE '(src|href)="?(https?:)?//' "$page" && fail "the page asks for somethin
 
 grep -q 'alt=""' "$page" && fail "a picture without words"
 grep -q 'alt="albedo of a &amp; ' "$page" || fail "a map's picture does not name its region"
-grep -q 'id="materials"' "$page" || fail "the contents lead nowhere"
+
+# Every link within the page leads somewhere, of a result without comparisons and lights too.
+links() {
+    for id in $(grep -o 'href="#[a-z]*"' "$1" | grep -o '[a-z]*"$' | tr -d '"'); do
+        grep -q "id=\"$id\"" "$1" || fail "$1: #$id leads nowhere"
+    done
+}
+links "$page"
+grep -q 'href="#views"' "$page" || fail "the contents lack the photographs"
+cp -r "$work/report_test" bare
+rm -rf bare/comparison bare/evidence.json bare/manifest.json
+expect 0 "" "$igi" report -q bare
+links bare/report.html
+grep -q 'href="#views"' bare/report.html && fail "the contents name photographs that are not there"
 
 # A click on "observed" sorts by it; a broken image is noticed.
 sed 's|</body>|<script>onload=()=>{const b=[...document.querySelectorAll("th button")]\
