@@ -4,6 +4,7 @@
  */
 #include "check/sketch.h"
 
+#include "observe/glare.h"
 #include "observe/visible.h"
 
 #include <string.h>
@@ -18,6 +19,7 @@ igi_status igi_snapshot_take(const igi_sketch *s, size_t frame, int side, igi_sn
     IGI_TRY_GOTO(
         igi_image_reduce(ctx, s->c->survey->observations->previews[frame], side, &snap->image));
     igi_image *image = snap->image;
+    igi_glare_lift_image(s->c->survey->observations, frame, image);
     igi_view_of_camera(s->c->survey, &s->c->scene->frames[frame].camera, image->width, &snap->view);
     snap->view.height = image->height;
     IGI_TRY_GOTO(igi_view_look(ctx, &snap->view));

@@ -193,6 +193,8 @@ static igi_status first_pass(igi_context *ctx, job *j)
         photo = NULL;
     }
     keep_most_pixels(bracket);
+    j->longest = previous; /* which the second pass begins with */
+    previous = NULL;
 cleanup:
     igi_photo_destroy(previous);
     igi_photo_destroy(photo);
@@ -273,7 +275,9 @@ static igi_status second_pass(igi_context *ctx, job *j, igi_merged *out)
     for (size_t i = bracket->count; i-- > 0;) {
         igi_merged_frame *frame = &out->frames[j->frames[i].given];
         IGI_TRY_GOTO(igi_progress(ctx, 1 - (double)(i + 1) / (2 * (double)bracket->count)));
-        IGI_TRY_GOTO(igi_photo_load(ctx, j->frames[i].exposure->path, &photo));
+        photo = j->longest;
+        j->longest = NULL;
+        if (!photo) IGI_TRY_GOTO(igi_photo_load(ctx, j->frames[i].exposure->path, &photo));
         if (!acc->image)
             IGI_TRY_GOTO(igi_accumulator_prepare(ctx, photo, j->response, &model, acc));
         frame->used = exp(bracket->log_h[i]);
@@ -322,6 +326,7 @@ static void free_job(job *j)
     igi_free(j->bracket.shifts);
     igi_free(j->bracket.unsaturated);
     igi_free(j->frames);
+    igi_photo_destroy(j->longest);
     igi_response_destroy(j->response);
 }
 

@@ -20,6 +20,7 @@ typedef struct job {
     const igi_exposure *exposures; /* as given */
     ordered *frames;
     igi_bracket bracket;
+    igi_photo *longest;     /* exposure, after the first pass */
     igi_response *response; /* NULL until known */
     bool fitted;
     bool guessed;         /* the response is sRGB's for want of another photograph */

@@ -288,14 +288,18 @@ static double measured_scatter(const accumulator *acc)
     return 1;
 }
 
-/* To .1 %: what a variance is never known to, and a quarter of the file. */
-static float rounded(float variance)
+/* Without so many of a float's 23 bits: they are noise, half of the file, and most of the time that
+ * compressing it takes. Neither is ever known to that: a radiance stays within .012 %, which is a fortieth
+ * of what photons leave of the best pixels, a variance within .1 %. */
+#define RADIANCE_BITS 11
+#define VARIANCE_BITS 14
+static float rounded(float x, int dropped)
 {
     uint32_t bits;
-    memcpy(&bits, &variance, sizeof bits);
-    bits = (bits + (1u << 13)) & ~((1u << 14) - 1);
-    memcpy(&variance, &bits, sizeof bits);
-    return variance;
+    memcpy(&bits, &x, sizeof bits);
+    bits = (bits + (1u << (dropped - 1))) & ~((1u << dropped) - 1);
+    memcpy(&x, &bits, sizeof bits);
+    return x;
 }
 
 /* Where nothing was below saturation, the shortest exposure's full scale is a lower bound. */
@@ -310,11 +314,11 @@ double igi_accumulator_finish(accumulator *acc, double shortest_h, bool noise_is
         for (size_t c = 0; c < channels; c++) {
             float *variance = &pixel[channels + 1 + (channels - 1 - c)];
             if (*variance > 0) {
-                pixel[c] /= *variance;
-                *variance = rounded((float)(scale / (double)*variance));
+                pixel[c] = rounded(pixel[c] / *variance, RADIANCE_BITS);
+                *variance = rounded((float)(scale / (double)*variance), VARIANCE_BITS);
             } else {
                 pixel[c] = (float)(1 / shortest_h);
-                *variance = rounded(pixel[c] * pixel[c]);
+                *variance = rounded(pixel[c] * pixel[c], VARIANCE_BITS);
                 pixel[channels] = 1;
             }
         }

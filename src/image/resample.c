@@ -102,3 +102,21 @@ igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side, 
     int height = (int)fmax(1, floor(image->height * scale + .5));
     return igi_image_resample(ctx, image, width, height, small);
 }
+
+double igi_image_mean(const igi_image *image, int bands, double *mean)
+{
+    double counts[IGI_MAX_BANDS] = {0}, all = 0;
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < pixels; i++)
+        for (int b = 0; b < bands; b++) {
+            float x = image->samples[i * (size_t)image->channels + (size_t)b];
+            if (!isfinite(x)) continue;
+            mean[b] += (double)x;
+            counts[b]++;
+        }
+    for (int b = 0; b < bands; b++) {
+        mean[b] /= fmax(counts[b], 1);
+        all += mean[b] / bands;
+    }
+    return all;
+}

@@ -18,6 +18,9 @@ IGI_MUST_USE igi_status igi_image_resample(igi_context *ctx, const igi_image *im
 IGI_MUST_USE igi_status igi_image_reduce(igi_context *ctx, const igi_image *image, int side,
                                          igi_image **small);
 
+/* Of the finite samples, channel by channel: mean[bands], which are zero before; returns their mean. */
+double igi_image_mean(const igi_image *image, int bands, double *mean);
+
 /* Catmull-Rom weights of the four samples around t in [0,1), which lies between the middle two. */
 static inline void igi_cubic_weights(double t, double w[4])
 {

@@ -3,6 +3,7 @@
 
 #include "base/parallel.h"
 #include "lens/photographs.h"
+#include "observe/glare.h"
 #include "observe/visible.h"
 #include "specular/lobe_view.h"
 #include "scene/camera.h"
@@ -54,6 +55,7 @@ static igi_status take_photograph(igi_context *ctx, const job *j, size_t frame, 
     igi_status status = IGI_OK;
     IGI_TRY_GOTO(igi_strdup(ctx, j->problem->scene->frames[frame].name, &c->frame));
     IGI_TRY_GOTO(igi_photographs_load(ctx, j->photographs, frame, &image, &warning));
+    igi_glare_lift_image(j->problem->observations, frame, image);
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->photo));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->prediction));
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, bands, &c->albedo));

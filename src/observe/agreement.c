@@ -9,8 +9,6 @@
  */
 #include "observe/agreement.h"
 
-#include "observe/glimpses.h"
-
 #include "base/order.h"
 
 #include <math.h>
@@ -30,7 +28,7 @@
 
 typedef struct session {
     size_t frames, regions;
-    igi_glimpses g;
+    const igi_glimpses *g;
     double *middle;        /* [places] m */
     double *gain;          /* [frames] g */
     double *spread;        /* [regions] */
@@ -57,7 +55,7 @@ static double weighted_median(double (*pairs)[2], size_t count)
 
 static bool is_shared(const session *s, uint32_t place)
 {
-    return s->g.begin[place + 1] - s->g.begin[place] >= FEWEST_FRAMES;
+    return s->g->begin[place + 1] - s->g->begin[place] >= FEWEST_FRAMES;
 }
 
 static double error_of(const session *s, const igi_glimpse *glimpse)
@@ -67,10 +65,10 @@ static double error_of(const session *s, const igi_glimpse *glimpse)
 
 static void find_middles(session *s)
 {
-    for (uint32_t p = 0; p < s->g.place_count; p++) {
+    for (uint32_t p = 0; p < s->g->place_count; p++) {
         size_t n = 0;
-        for (size_t i = s->g.begin[p]; i < s->g.begin[p + 1]; i++)
-            s->values[n++] = (double)s->g.glimpses[i].value - s->gain[s->g.glimpses[i].frame];
+        for (size_t i = s->g->begin[p]; i < s->g->begin[p + 1]; i++)
+            s->values[n++] = (double)s->g->glimpses[i].value - s->gain[s->g->glimpses[i].frame];
         s->middle[p] = igi_median(s->values, n);
     }
 }
@@ -81,9 +79,9 @@ static igi_status find_spreads(igi_context *ctx, session *s)
     size_t *begin;
     IGI_TRY(IGI_ALLOC(ctx, s->regions + 2, &begin));
     for (int pass = 0; pass < 2; pass++) {
-        for (size_t i = 0; i < s->g.count; i++) {
-            const igi_glimpse *glimpse = &s->g.glimpses[i];
-            uint32_t region = s->g.region[glimpse->place];
+        for (size_t i = 0; i < s->g->count; i++) {
+            const igi_glimpse *glimpse = &s->g->glimpses[i];
+            uint32_t region = s->g->region[glimpse->place];
             if (!is_shared(s, glimpse->place)) continue;
             if (pass == 0) begin[region + 2]++;
             else s->values[begin[region + 1]++] = fabs(error_of(s, glimpse));
@@ -106,8 +104,8 @@ static igi_status find_spreads(igi_context *ctx, session *s)
 static double middle_of_others(const session *s, const igi_glimpse *glimpse, double *values)
 {
     size_t n = 0;
-    for (size_t i = s->g.begin[glimpse->place]; i < s->g.begin[glimpse->place + 1]; i++) {
-        const igi_glimpse *other = &s->g.glimpses[i];
+    for (size_t i = s->g->begin[glimpse->place]; i < s->g->begin[glimpse->place + 1]; i++) {
+        const igi_glimpse *other = &s->g->glimpses[i];
         if (other != glimpse) values[n++] = (double)other->value - s->gain[other->frame];
     }
     return igi_median(values, n);
@@ -119,9 +117,9 @@ static void find_gain(session *s, size_t frame, igi_frame_agreement *out)
     size_t n = 0;
     double weights = 0;
     for (size_t k = s->by_frame[frame]; k < s->by_frame[frame + 1]; k++) {
-        const igi_glimpse *glimpse = &s->g.glimpses[s->of_frame[k]];
+        const igi_glimpse *glimpse = &s->g->glimpses[s->of_frame[k]];
         if (!is_shared(s, glimpse->place)) continue;
-        double spread = s->spread[s->g.region[glimpse->place]];
+        double spread = s->spread[s->g->region[glimpse->place]];
         s->off[k] = (double)glimpse->value - middle_of_others(s, glimpse, s->values);
         s->weighted[n][0] = s->off[k];
         s->weighted[n++][1] = 1 / (spread * spread);
@@ -138,8 +136,8 @@ static size_t look_at_region(const session *s, size_t frame, uint32_t region, do
 {
     size_t n = 0;
     for (size_t k = s->by_frame[frame]; k < s->by_frame[frame + 1]; k++) {
-        uint32_t place = s->g.glimpses[s->of_frame[k]].place;
-        if (is_shared(s, place) && s->g.region[place] == region)
+        uint32_t place = s->g->glimpses[s->of_frame[k]].place;
+        if (is_shared(s, place) && s->g->region[place] == region)
             values[n++] = s->off[k] - s->gain[frame];
     }
     return n;
@@ -168,11 +166,11 @@ static void find_gain_error(session *s, size_t frame, igi_frame_agreement *out)
 static igi_status sort_by_frame(igi_context *ctx, session *s)
 {
     IGI_TRY(IGI_ALLOC(ctx, s->frames + 2, &s->by_frame));
-    IGI_TRY(IGI_ALLOC(ctx, s->g.count, &s->of_frame));
-    for (size_t i = 0; i < s->g.count; i++) s->by_frame[s->g.glimpses[i].frame + 2]++;
+    IGI_TRY(IGI_ALLOC(ctx, s->g->count, &s->of_frame));
+    for (size_t i = 0; i < s->g->count; i++) s->by_frame[s->g->glimpses[i].frame + 2]++;
     for (size_t f = 0; f < s->frames; f++) s->by_frame[f + 2] += s->by_frame[f + 1];
-    for (size_t i = 0; i < s->g.count; i++)
-        s->of_frame[s->by_frame[s->g.glimpses[i].frame + 1]++] = (uint32_t)i;
+    for (size_t i = 0; i < s->g->count; i++)
+        s->of_frame[s->by_frame[s->g->glimpses[i].frame + 1]++] = (uint32_t)i;
     return IGI_OK;
 }
 
@@ -194,8 +192,8 @@ static igi_status estimate(igi_context *ctx, session *s, igi_agreement *a)
 /* By how much a glimpse is off what the others agree about; 0 when it is not, or they do not. */
 static double contradiction(const session *s, const igi_glimpse *glimpse)
 {
-    size_t first = s->g.begin[glimpse->place], n = s->g.begin[glimpse->place + 1] - first;
-    double spread = s->spread[s->g.region[glimpse->place]];
+    size_t first = s->g->begin[glimpse->place], n = s->g->begin[glimpse->place + 1] - first;
+    double spread = s->spread[s->g->region[glimpse->place]];
     double least = fmax(CONTRADICTION, CONTRADICTION_SIGMAS * fmax(spread, (double)glimpse->error));
     if (!is_shared(s, glimpse->place) || fabs(error_of(s, glimpse)) < least / 2) return 0;
     double middle = middle_of_others(s, glimpse, s->values), agree = 0;
@@ -231,11 +229,11 @@ static void judge(session *s, igi_agreement *a)
         double against = 0, darker = 0, *dark = s->voices;
         for (size_t r = 0; r < s->regions; r++) dark[r] = 0;
         for (size_t k = s->by_frame[f]; k < s->by_frame[f + 1]; k++) {
-            const igi_glimpse *glimpse = &s->g.glimpses[s->of_frame[k]];
+            const igi_glimpse *glimpse = &s->g->glimpses[s->of_frame[k]];
             double off = contradiction(s, glimpse);
             against += off != 0;
             darker += off < 0;
-            dark[s->g.region[glimpse->place]] += off < -DARK;
+            dark[s->g->region[glimpse->place]] += off < -DARK;
         }
         out->gain = exp(s->gain[f]);
         out->contradicts = against / fmax((double)out->places, 1);
@@ -248,30 +246,28 @@ static void judge(session *s, igi_agreement *a)
 }
 
 igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,
-                                const igi_observations *observations, igi_agreement **agreement)
+                                const igi_glimpses *glimpses, igi_agreement **agreement)
 {
     igi_status status = IGI_OK;
     igi_agreement *a = NULL;
-    session s = {.frames = observations->frame_count, .regions = scene->region_count};
+    session s = {.frames = scene->frame_count, .regions = scene->region_count, .g = glimpses};
     *agreement = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &a));
     a->frame_count = s.frames;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.frames, &a->frames));
-    IGI_TRY_GOTO(igi_glimpses_create(ctx, scene, observations, &s.g));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.place_count, &s.middle));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->place_count, &s.middle));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.frames, &s.gain));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.regions, &s.spread));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count + s.frames, &s.values));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count, &s.off));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count + s.regions, &s.voices));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count, &s.weighted));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count + s.frames, &s.values));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count, &s.off));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count + s.regions, &s.voices));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count, &s.weighted));
     IGI_TRY_GOTO(sort_by_frame(ctx, &s));
     IGI_TRY_GOTO(estimate(ctx, &s, a));
     judge(&s, a);
     *agreement = a;
     a = NULL;
 cleanup:
-    igi_glimpses_clear(&s.g);
     igi_free(s.middle);
     igi_free(s.gain);
     igi_free(s.spread);

@@ -7,7 +7,7 @@
 #ifndef IGI_SRC_OBSERVE_AGREEMENT_H
 #define IGI_SRC_OBSERVE_AGREEMENT_H
 
-#include "observe/observations.h"
+#include "observe/glimpses.h"
 
 typedef struct igi_frame_agreement {
     size_t places;      /* that two other photographs show too */
@@ -26,7 +26,7 @@ typedef struct igi_agreement {
 } igi_agreement;
 
 IGI_MUST_USE igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,
-                                             const igi_observations *observations,
+                                             const igi_glimpses *glimpses,
                                              igi_agreement **agreement);
 void igi_agreement_destroy(igi_agreement *agreement);
 

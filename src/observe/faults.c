@@ -155,6 +155,7 @@ static void scale_frame(igi_observations *o, size_t frame, float factor)
     size_t bands = (size_t)o->bands;
     for (size_t k = o->frame_begin[frame] * bands; k < o->frame_begin[frame + 1] * bands; k++)
         o->radiance[k] *= factor;
+    for (size_t b = 0; b < bands; b++) o->mean[frame * bands + b] *= (double)factor;
     for (size_t k = 0; k < o->reading_count; k++)
         for (size_t b = 0; o->readings[k].frame == frame && b < bands; b++) {
             o->readings[k].radiance[b] *= (double)factor;
@@ -252,17 +253,48 @@ igi_status igi_observations_mend(igi_context *ctx, const igi_scene *scene,
     return warn_of_all(ctx, faults, observations);
 }
 
+static igi_status look_again(igi_context *ctx, const igi_scene *scene, const igi_observations *o,
+                             igi_glimpses *g)
+{
+    igi_glimpses_clear(g);
+    return igi_glimpses_create(ctx, scene, o, g);
+}
+
+static bool is_mended(const igi_faults *f)
+{
+    for (size_t i = 0; i < f->frame_count; i++)
+        if (f->frames[i].scale != 1 || f->frames[i].contradicts) return true;
+    return false;
+}
+
+/* A veil over all photographs looks like exposures that drift, and goes first; one photograph's own is
+ * told from its exposure after that. */
+igi_status igi_observations_judge(igi_context *ctx, const igi_scene *scene,
+                                  igi_observations *observations, igi_agreement **agreement,
+                                  igi_faults **faults)
+{
+    igi_status status = IGI_OK;
+    igi_glimpses g = {0};
+    bool lifted;
+    IGI_TRY_GOTO(igi_glimpses_create(ctx, scene, observations, &g));
+    IGI_TRY_GOTO(igi_observations_lift_common_veil(ctx, scene, &g, observations, &lifted));
+    if (lifted) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
+    IGI_TRY_GOTO(igi_agreement_create(ctx, scene, &g, agreement));
+    IGI_TRY_GOTO(igi_faults_find(ctx, observations, *agreement, faults));
+    IGI_TRY_GOTO(igi_observations_mend(ctx, scene, *agreement, *faults, observations));
+    if (is_mended(*faults)) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
+    IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations));
+cleanup:
+    igi_glimpses_clear(&g);
+    return status;
+}
+
 igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,
                                       igi_observations *observations)
 {
-    igi_status status = IGI_OK;
     igi_agreement *agreement = NULL;
     igi_faults *faults = NULL;
-    IGI_TRY_GOTO(igi_agreement_create(ctx, scene, observations, &agreement));
-    IGI_TRY_GOTO(igi_faults_find(ctx, observations, agreement, &faults));
-    IGI_TRY_GOTO(igi_observations_mend(ctx, scene, agreement, faults, observations));
-    IGI_TRY_GOTO(igi_observations_warn_of_glare(ctx, scene, observations));
-cleanup:
+    igi_status status = igi_observations_judge(ctx, scene, observations, &agreement, &faults);
     igi_agreement_destroy(agreement);
     igi_faults_destroy(faults);
     return status;

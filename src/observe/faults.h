@@ -34,8 +34,12 @@ IGI_MUST_USE igi_status igi_observations_mend(igi_context *ctx, const igi_scene 
                                               const igi_faults *faults,
                                               igi_observations *observations);
 
-/* The three together: what recovery does. */
+/* All together, and veils taken off: what recovery does. */
 IGI_MUST_USE igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,
                                                    igi_observations *observations);
+/* The same, for who wants to know what was found. */
+IGI_MUST_USE igi_status igi_observations_judge(igi_context *ctx, const igi_scene *scene,
+                                               igi_observations *observations,
+                                               igi_agreement **agreement, igi_faults **faults);
 
 #endif

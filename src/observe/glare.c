@@ -1,160 +1,117 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Of a place that several photographs show, the others tell the brightness M (their median), and
- * photograph f shows
- *     B = s M + o:
- * s its gain, which bright places tell, o its veil, which dark ones do. A glossy surface that shines
- * toward one camera looks like a veil on that surface; so every region has one voice, the median of
- * its dark places, and the lower quartile of the regions' voices counts: a veil spares none.
+ * Which veils are clear, and what is left when they are gone.
  */
 #include "observe/glare.h"
 
-#include "observe/glimpses.h"
-
-#include "base/order.h"
+#include "image/resample.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#define FEWEST_FRAMES 3
-#define FEWEST_PLACES 5  /* of a region, to have a voice */
-#define FEWEST_REGIONS 3 /* with one */
-#define ROUNDS 5
-#define CLEAR_SHARE .05 /* glossy rooms and coarse photographs reach .03 without a veil */
-#define CLEAR_SIGMAS 4.0
+/* Of one photograph: less is not worth a word. */
+#define OWN_SHARE .02
+#define COMMON_SHARE .0015
+#define CLEAR_SIGMAS 5.0
+#define MOST_SHARE .5 /* more is no veil, but another picture */
 
-typedef struct view {
-    double b, m; /* this photograph's brightness, the others' */
-    uint32_t region;
-} view;
-
-typedef struct session {
-    igi_glimpses g;
-    size_t regions;
-    view *views;    /* [glimpses] of one frame */
-    double *values; /* [glimpses], */
-    double *voices; /* [regions] scratch */
-} session;
-
-static double quantile(double *values, size_t count, double share)
+static bool is_clear(const igi_glare *g, double least)
 {
-    if (count == 0) return 0;
-    qsort(values, count, sizeof *values, igi_compare_doubles);
-    return values[(size_t)(share * (double)count)];
+    return g->share > least && g->share < MOST_SHARE && g->share > CLEAR_SIGMAS * g->sigma;
 }
 
-static double median(double *values, size_t count)
+static double lifted(double x, double share, double mean)
 {
-    return quantile(values, count, .5);
+    return (x - share * mean) / (1 - share);
 }
 
-static int by_region(const void *a, const void *b)
+/* Of the second veil of a photograph there is 1 - the first. */
+static void lift(igi_observations *o, size_t frame, double share)
 {
-    const view *x = a, *y = b;
-    if (x->region != y->region) return x->region < y->region ? -1 : 1;
-    if (x->m != y->m) return x->m < y->m ? -1 : 1;
-    return (x->b > y->b) - (x->b < y->b);
-}
-
-/* What the frame and the others show of the places that enough of them see. */
-static size_t collect(session *s, uint32_t frame)
-{
-    const igi_glimpses *g = &s->g;
-    size_t count = 0;
-    for (size_t p = 0; p < g->place_count; p++) {
-        size_t others = 0;
-        const igi_glimpse *own = NULL;
-        for (size_t i = g->begin[p]; i < g->begin[p + 1]; i++) {
-            if (g->glimpses[i].frame == frame) own = &g->glimpses[i];
-            else s->values[others++] = exp((double)g->glimpses[i].value);
+    size_t bands = (size_t)o->bands;
+    const double *mean = o->mean + frame * bands;
+    for (size_t k = o->frame_begin[frame] * bands; k < o->frame_begin[frame + 1] * bands; k++)
+        o->radiance[k] = (float)lifted((double)o->radiance[k], share, mean[k % bands]);
+    for (size_t k = 0; k < o->reading_count; k++)
+        for (size_t b = 0; o->readings[k].frame == frame && b < bands; b++) {
+            igi_lamp_reading *r = &o->readings[k];
+            r->radiance[b] = lifted(r->radiance[b], share, mean[b]);
+            r->error[b] /= 1 - share;
+            r->highest[b] = (float)lifted((double)r->highest[b], share, mean[b]);
         }
-        if (!own || others + 1 < FEWEST_FRAMES) continue;
-        s->views[count++] = (view){exp((double)own->value), median(s->values, others),
-                                   g->region[p]};
-    }
-    qsort(s->views, count, sizeof *s->views, by_region);
-    return count;
+    o->veils[frame] = 1 - (1 - o->veils[frame]) * (1 - share);
 }
 
-/* One voice a region, in s->voices. */
-static size_t hear_regions(session *s, size_t count, double dark, double gain)
+void igi_glare_lift_image(const igi_observations *o, size_t frame, igi_image *image)
 {
-    size_t voices = 0;
-    for (size_t i = 0; i < count;) {
-        size_t n = 0, end = i;
-        for (; end < count && s->views[end].region == s->views[i].region; end++)
-            if (s->views[end].m <= dark) s->values[n++] = s->views[end].b - gain * s->views[end].m;
-        if (n >= FEWEST_PLACES) s->voices[voices++] = median(s->values, n);
-        i = end;
-    }
-    return voices;
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    double mean[IGI_MAX_BANDS] = {0};
+    if (o->veils[frame] == 0) return;
+    igi_image_mean(image, o->bands, mean);
+    for (size_t i = 0; i < pixels; i++)
+        for (int b = 0; b < o->bands; b++) {
+            float *x = &image->samples[i * (size_t)image->channels + (size_t)b];
+            *x = (float)lifted((double)*x, o->veils[frame], mean[b]);
+        }
 }
 
-static void estimate(session *s, size_t count, igi_glare *glare)
+/* Of all bands together, as glimpses have them. */
+static igi_status find_brightness(igi_context *ctx, const igi_observations *o, double **bright)
 {
-    double mean = 0, gain = 1, veil = 0, dark;
-    size_t voices = 0;
-    *glare = (igi_glare){0, (double)INFINITY};
-    for (size_t i = 0; i < count; i++) {
-        s->values[i] = s->views[i].m;
-        mean += s->views[i].b / (double)count;
-    }
-    dark = median(s->values, count);
-    for (int round = 0; round < ROUNDS; round++) {
-        size_t n = 0;
-        for (size_t i = 0; i < count; i++)
-            if (s->views[i].m > dark) s->values[n++] = (s->views[i].b - veil) / s->views[i].m;
-        gain = median(s->values, n);
-        voices = hear_regions(s, count, dark, gain);
-        if (voices < FEWEST_REGIONS) return;
-        veil = quantile(s->voices, voices, .25);
-    }
-    for (size_t i = 0; i < voices; i++) s->voices[i] = fabs(s->voices[i] - veil);
-    glare->share = veil / mean;
-    glare->sigma = 1.4826 * median(s->voices, voices) / sqrt((double)voices) / mean;
+    IGI_TRY(IGI_ALLOC(ctx, o->frame_count, bright));
+    for (size_t k = 0; k < o->frame_count * (size_t)o->bands; k++)
+        (*bright)[k / (size_t)o->bands] += o->mean[k];
+    return IGI_OK;
 }
 
-igi_status igi_glare_estimate(igi_context *ctx, const igi_scene *scene,
-                              const igi_observations *observations, igi_glare *glares)
+igi_status igi_observations_lift_common_veil(igi_context *ctx, const igi_scene *scene,
+                                             const igi_glimpses *glimpses,
+                                             igi_observations *observations, bool *lifted)
 {
-    igi_status status = IGI_OK;
-    session s = {.regions = scene->region_count};
-    IGI_TRY_GOTO(igi_glimpses_create(ctx, scene, observations, &s.g));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count + 1, &s.views));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g.count + 1, &s.values));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.regions, &s.voices));
-    for (size_t f = 0; f < observations->frame_count; f++)
-        estimate(&s, collect(&s, (uint32_t)f), &glares[f]);
-cleanup:
-    igi_glimpses_clear(&s.g);
-    igi_free(s.views);
-    igi_free(s.values);
-    igi_free(s.voices);
-    return status;
+    igi_observations *o = observations;
+    double *bright;
+    char *sentence;
+    igi_glare g;
+    *lifted = false;
+    IGI_TRY(find_brightness(ctx, o, &bright));
+    igi_status status = igi_glare_common(ctx, glimpses, scene->region_count, bright, o->frame_count,
+                                         &g);
+    igi_free(bright);
+    if (status != IGI_OK || !is_clear(&g, COMMON_SHARE)) return status;
+    *lifted = true;
+    for (size_t f = 0; f < o->frame_count; f++) lift(o, f, g.share);
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "%.2f %% of the light strayed over the photographs (glare), and was taken "
+                      "off again; +- %.2f %% may be left: shade the lens from the lamps",
+                      100 * g.share, 100 * g.sigma));
+    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
-igi_status igi_observations_warn_of_glare(igi_context *ctx, const igi_scene *scene,
-                                          igi_observations *observations)
+igi_status igi_observations_lift_own_veils(igi_context *ctx, const igi_scene *scene,
+                                           const igi_glimpses *glimpses,
+                                           igi_observations *observations)
 {
     igi_observations *o = observations;
     igi_status status = IGI_OK;
-    igi_glare *glares;
-    IGI_TRY(IGI_ALLOC(ctx, o->frame_count, &glares));
-    IGI_TRY_GOTO(igi_glare_estimate(ctx, scene, o, glares));
+    igi_glare *glares = NULL;
+    double *bright = NULL;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, o->frame_count, &glares));
+    IGI_TRY_GOTO(find_brightness(ctx, o, &bright));
+    IGI_TRY_GOTO(igi_glare_own(ctx, glimpses, scene->region_count, bright, o->frame_count, glares));
     for (size_t f = 0; f < o->frame_count; f++) {
         char *sentence;
         const igi_glare *g = &glares[f];
-        if (!(g->share > CLEAR_SHARE && g->share > CLEAR_SIGMAS * g->sigma)) continue;
-        IGI_TRY_GOTO(
-            igi_strprintf(ctx, &sentence,
-                          "image %s: a veil of %.1f +- %.1f %% of its mean brightness lies "
-                          "over it: light shines into the lens; shade the lens, or leave "
-                          "the image out",
-                          scene->frames[f].name, 100 * g->share, 100 * g->sigma));
+        if (!is_clear(g, OWN_SHARE)) continue;
+        lift(o, f, g->share);
+        IGI_TRY_GOTO(igi_strprintf(
+            ctx, &sentence,
+            "image %s: a veil of %.1f %% of its mean brightness lay over it, and was taken off; "
+            "+- %.1f %% may be left: light shines into the lens; shade it, or leave the image out",
+            scene->frames[f].name, 100 * g->share, 100 * g->sigma));
         IGI_TRY_GOTO(igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence));
     }
 cleanup:
     igi_free(glares);
+    igi_free(bright);
     return status;
 }

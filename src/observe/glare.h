@@ -1,24 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Light that shines into a lens lays a veil over the photograph: it shows where the scene is dark.
+ * Light that strays in a lens lays a veil over the photograph, which shows where the scene is dark. Of
+ * the light that enters, the share s falls evenly onto the picture, and its mean M stays:
+ *     B = (1 - s) L + s M.
  */
 #ifndef IGI_SRC_OBSERVE_GLARE_H
 #define IGI_SRC_OBSERVE_GLARE_H
 
-#include "observe/observations.h"
+#include "observe/glimpses.h"
 
-/* A veil that all photographs share cannot be told from light of the scene; this is what one has
- * more than the others. */
 typedef struct igi_glare {
-    double share; /* of the photograph's mean brightness, added everywhere */
-    double sigma; /* of it; INFINITY: too few dark places of too few regions */
+    double share; /* s */
+    double sigma; /* of it; INFINITY: too little tells */
 } igi_glare;
 
-/* glares[frame_count]. */
-IGI_MUST_USE igi_status igi_glare_estimate(igi_context *ctx, const igi_scene *scene,
-                                           const igi_observations *observations, igi_glare *glares);
-/* Adds a warning for each photograph with a clear veil. */
-IGI_MUST_USE igi_status igi_observations_warn_of_glare(igi_context *ctx, const igi_scene *scene,
-                                                       igi_observations *observations);
+/* What all photographs have, by how much more of it the brighter ones have; bright[frames]: M, of all
+ * bands together. */
+IGI_MUST_USE igi_status igi_glare_common(igi_context *ctx, const igi_glimpses *glimpses,
+                                         size_t regions, const double *bright, size_t frames,
+                                         igi_glare *glare);
+/* What each has more than the others: glares[frames]. */
+IGI_MUST_USE igi_status igi_glare_own(igi_context *ctx, const igi_glimpses *glimpses,
+                                      size_t regions, const double *bright, size_t frames,
+                                      igi_glare *glares);
+
+/* These subtract veils that are clear, and add a warning for each that says what remains; as the glimpses
+ * of the observations show them. */
+IGI_MUST_USE igi_status igi_observations_lift_common_veil(igi_context *ctx, const igi_scene *scene,
+                                                          const igi_glimpses *glimpses,
+                                                          igi_observations *observations,
+                                                          bool *lifted);
+IGI_MUST_USE igi_status igi_observations_lift_own_veils(igi_context *ctx, const igi_scene *scene,
+                                                        const igi_glimpses *glimpses,
+                                                        igi_observations *observations);
+/* What a picture of a frame, of o->bands bands of `channels`, becomes by what was subtracted. */
+void igi_glare_lift_image(const igi_observations *o, size_t frame, igi_image *image);
 
 #endif

@@ -55,26 +55,11 @@ typedef struct job {
     uint32_t keep_below; /* of a 32-bit hash; UINT32_MAX: all */
     frame_pixels *frames;
     igi_registration *registrations;
-    double *saturated;
+    double *saturated, *mean;
     bool *scarce; /* [regions] */
     int preview_side;
     igi_image **previews; /* [frames]; NULL: none */
 } job;
-
-static float mean_of_finite(const igi_image *image, int bands)
-{
-    double sum = 0;
-    size_t n = 0, pixels = (size_t)image->width * (size_t)image->height;
-    for (size_t i = 0; i < pixels; i++)
-        for (int b = 0; b < bands; b++) {
-            float x = image->samples[i * (size_t)image->channels + (size_t)b];
-            if (isfinite(x)) {
-                sum += (double)x;
-                n++;
-            }
-        }
-    return n ? (float)(sum / (double)n) : 0;
-}
 
 static bool is_broken(const float *radiance, int bands, float lowest)
 {
@@ -101,7 +86,8 @@ static void collect(const job *j, size_t frame, const igi_image *image, const ig
 {
     frame_pixels *f = &j->frames[frame];
     int bands = j->scene->bands;
-    float lowest = -NEGATIVE_SHARE * fmaxf(0, mean_of_finite(image, bands));
+    double mean = igi_image_mean(image, bands, j->mean + frame * (size_t)bands);
+    float lowest = -NEGATIVE_SHARE * fmaxf(0, (float)mean);
     uint32_t pixels = (uint32_t)(image->width * image->height);
     int saturated = saturation_channel(image);
     for (uint32_t i = 0; i < pixels; i++) {
@@ -395,7 +381,10 @@ static igi_status observe(igi_context *ctx, const igi_scene *scene, const igi_tr
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->registrations));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->saturated));
     j.registrations = o->registrations;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->veils));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count * (size_t)scene->bands, &o->mean));
     j.saturated = o->saturated;
+    j.mean = o->mean;
     if (preview_side > 0) IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->previews));
     j.previews = o->previews;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));
@@ -471,6 +460,8 @@ void igi_observations_destroy(igi_observations *observations)
     igi_free(observations->previews);
     igi_free(observations->registrations);
     igi_free(observations->saturated);
+    igi_free(observations->mean);
+    igi_free(observations->veils);
     igi_free(observations->outlines);
     igi_free(observations->readings);
     igi_free(observations->frame_begin);

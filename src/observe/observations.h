@@ -35,6 +35,8 @@ typedef struct igi_observations {
     float *radiance;     /* [count][bands], W m^-2 sr^-1 */
     bool *scarce;        /* [regions] few clean pixels, or none but those near its edges */
     igi_registration *registrations; /* [frame_count] */
+    double *mean;                    /* [frame_count][bands] of each whole picture */
+    double *veils;     /* [frame_count] share of its light that was taken off as glare; 0: none */
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t outline_count;
     igi_outline *outlines; /* [outline_count] */

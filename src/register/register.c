@@ -369,8 +369,10 @@ static igi_status compare_photographs(igi_context *ctx, const igi_scene *scene,
     igi_status status = IGI_OK;
     igi_observations *observations = NULL;
     igi_agreement *agreement = NULL;
+    igi_glimpses glimpses = {0};
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
-    IGI_TRY_GOTO(igi_agreement_create(ctx, scene, observations, &agreement));
+    IGI_TRY_GOTO(igi_glimpses_create(ctx, scene, observations, &glimpses));
+    IGI_TRY_GOTO(igi_agreement_create(ctx, scene, &glimpses, &agreement));
     r->gain_spread = spread_of_gains(agreement);
     r->contradicts = agreement->typical_share;
     for (size_t i = 0; i < r->frame_count; i++) {
@@ -379,6 +381,7 @@ static igi_status compare_photographs(igi_context *ctx, const igi_scene *scene,
     }
 cleanup:
     igi_agreement_destroy(agreement);
+    igi_glimpses_clear(&glimpses);
     igi_observations_destroy(observations);
     return status;
 }
