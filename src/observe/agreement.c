@@ -18,13 +18,19 @@
 #define ROUNDS 4
 #define FEWEST_GLIMPSES 20 /* of a region, for a spread of its own */
 #define FEWEST_TO_TELL 5   /* of a region in one photograph, to say something about its gain, */
-#define FEWEST_REGIONS 3   /* and of regions that do */
+#define FEWEST_REGIONS 3   /* and of regions that do; of fewer, places are no witnesses apart */
 #define LEAST_SPREAD 0.01
+#define GAIN_SIGMAS 3.0 /* of its error, or it is none: a mirrored sun is no exposure */
 /* Off by more than so many spreads of the region, and by more than this. */
 #define CONTRADICTION_SIGMAS 6.0
 #define CONTRADICTION 0.3
 #define DARK 1.1   /* ln 3 */
 #define AGREE 0.65 /* of the others must agree with each other */
+
+/* Places of one region in a photograph. */
+typedef struct verdict {
+    double places, brighter, darker, dark;
+} verdict;
 
 typedef struct session {
     size_t frames, regions;
@@ -38,6 +44,7 @@ typedef struct session {
     double *off;           /* [glimpses] sorted by frame: from the others' middle */
     double *voices;        /* [glimpses or regions] scratch */
     double (*weighted)[2]; /* [glimpses] */
+    verdict *verdicts;     /* [regions] of one photograph */
 } session;
 
 /* Of pairs (value, weight). */
@@ -153,14 +160,12 @@ static void find_gain_error(session *s, size_t frame, igi_frame_agreement *out)
         size_t n = look_at_region(s, frame, r, s->values);
         if (n >= FEWEST_TO_TELL) s->voices[voices++] = fabs(igi_median(s->values, n));
     }
-    if (voices < FEWEST_REGIONS) {
-        for (voices = 0; voices < out->places; voices++)
-            s->voices[voices] = fabs(s->weighted[voices][0] - s->gain[frame]);
-        out->gain_error = 1.4826 * igi_median(s->voices, voices);
-        return;
-    }
-    double scatter = 1.4826 * igi_median(s->voices, voices);
-    out->gain_error = fmax(out->gain_error, 1.2533 * scatter / sqrt((double)voices));
+    double scatter = voices > 1 ? 1.4826 * igi_median(s->voices, voices) : 0;
+    out->gain_error = fmax(out->gain_error, 1.2533 * scatter / sqrt(fmax(1, (double)voices)));
+    if (voices >= FEWEST_REGIONS) return;
+    for (size_t i = 0; i < out->places; i++)
+        s->voices[i] = fabs(s->weighted[i][0] - s->gain[frame]);
+    out->gain_error = fmax(out->gain_error, 1.4826 * igi_median(s->voices, out->places));
 }
 
 static igi_status sort_by_frame(igi_context *ctx, session *s)
@@ -184,6 +189,10 @@ static igi_status estimate(igi_context *ctx, session *s, igi_agreement *a)
             find_gain(s, f, &a->frames[f]);
             if (round == ROUNDS - 1) find_gain_error(s, f, &a->frames[f]);
         }
+    }
+    for (size_t f = 0; f < s->frames; f++) {
+        a->frames[f].gain = exp(s->gain[f]);
+        if (fabs(s->gain[f]) < GAIN_SIGMAS * a->frames[f].gain_error) s->gain[f] = 0;
     }
     find_middles(s);
     return find_spreads(ctx, s);
@@ -211,34 +220,50 @@ static double median_over_frames(session *s, const igi_agreement *a, size_t fiel
     return igi_median(s->values, n);
 }
 
-/* Of the places in s->voices[regions]: how many lie outside the region that has the most. */
-static double beyond_one_region(const session *s)
+static void judge_regions(session *s, size_t frame)
 {
-    double all = 0, most = 0;
-    for (size_t r = 0; r < s->regions; r++) {
-        all += s->voices[r];
-        most = fmax(most, s->voices[r]);
+    for (size_t r = 0; r < s->regions; r++) s->verdicts[r] = (verdict){0};
+    for (size_t k = s->by_frame[frame]; k < s->by_frame[frame + 1]; k++) {
+        const igi_glimpse *glimpse = &s->g->glimpses[s->of_frame[k]];
+        verdict *v = &s->verdicts[s->g->region[glimpse->place]];
+        double off = contradiction(s, glimpse);
+        v->places += is_shared(s, glimpse->place);
+        v->brighter += off > 0;
+        v->darker += off < 0;
+        v->dark += off < -DARK;
     }
-    return all - most;
+}
+
+/* A surface that shines is brighter in the photograph in which it mirrors a lamp or the sun; then
+ * the other regions have nothing against the photograph. */
+static void judge_frame(const session *s, igi_frame_agreement *out)
+{
+    verdict all = {0}, most = {0};
+    double dark = 0;
+    for (size_t r = 0; r < s->regions; r++) {
+        const verdict *v = &s->verdicts[r];
+        all.places += v->places;
+        all.brighter += v->brighter;
+        all.darker += v->darker;
+        all.dark += v->dark;
+        dark = fmax(dark, v->dark);
+        if (v->brighter > most.brighter) most = *v;
+    }
+    double against = all.brighter + all.darker, elsewhere = against - most.brighter - most.darker;
+    double rest = fmax(all.places - most.places, 1);
+    all.places = fmax(all.places, 1);
+    bool shines = elsewhere / rest < against / all.places;
+    out->contradictions = shines ? elsewhere : against;
+    out->contradicts = out->contradictions / (shines ? rest : all.places);
+    out->darker = all.darker / all.places;
+    out->dark = (all.dark - dark) / all.places;
 }
 
 static void judge(session *s, igi_agreement *a)
 {
     for (size_t f = 0; f < s->frames; f++) {
-        igi_frame_agreement *out = &a->frames[f];
-        double against = 0, darker = 0, *dark = s->voices;
-        for (size_t r = 0; r < s->regions; r++) dark[r] = 0;
-        for (size_t k = s->by_frame[f]; k < s->by_frame[f + 1]; k++) {
-            const igi_glimpse *glimpse = &s->g->glimpses[s->of_frame[k]];
-            double off = contradiction(s, glimpse);
-            against += off != 0;
-            darker += off < 0;
-            dark[s->g->region[glimpse->place]] += off < -DARK;
-        }
-        out->gain = exp(s->gain[f]);
-        out->contradicts = against / fmax((double)out->places, 1);
-        out->darker = darker / fmax((double)out->places, 1);
-        out->dark = beyond_one_region(s) / fmax((double)out->places, 1);
+        judge_regions(s, f);
+        judge_frame(s, &a->frames[f]);
     }
     a->typical_share = median_over_frames(s, a, offsetof(igi_frame_agreement, contradicts));
     a->typical_darker = median_over_frames(s, a, offsetof(igi_frame_agreement, darker));
@@ -262,6 +287,7 @@ igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count, &s.off));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count + s.regions, &s.voices));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.g->count, &s.weighted));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, s.regions, &s.verdicts));
     IGI_TRY_GOTO(sort_by_frame(ctx, &s));
     IGI_TRY_GOTO(estimate(ctx, &s, a));
     judge(&s, a);
@@ -277,6 +303,7 @@ cleanup:
     igi_free(s.off);
     igi_free(s.voices);
     igi_free(s.weighted);
+    igi_free(s.verdicts);
     igi_agreement_destroy(a);
     return status;
 }

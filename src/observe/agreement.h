@@ -13,9 +13,11 @@ typedef struct igi_frame_agreement {
     size_t places;      /* that two other photographs show too */
     double gain;        /* against the others, median over places; 1 without places */
     double gain_error;  /* one standard deviation */
-    double contradicts; /* share of those places at which it is alone with what it shows, */
-    double darker;      /* and of that the part where it shows less light than the others, */
-    double dark;        /* or less than a third, and not in one region alone */
+    double contradicts; /* share of those places at which it is alone with what it shows, where that
+                           is less without the region that may just mirror a lamp; */
+    double contradictions; /* how many these are */
+    double darker;         /* share of all places at which it shows less light than the others, */
+    double dark;           /* or less than a third, and not in one region alone */
 } igi_frame_agreement;
 
 typedef struct igi_agreement {

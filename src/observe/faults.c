@@ -66,11 +66,13 @@ static void find_contradictions(const igi_agreement *a, igi_faults *f)
         const igi_frame_agreement *frame = &a->frames[i];
         f->frames[i].scale = 1;
         if (frame->places < FEWEST_PLACES) continue;
-        bool is_clear = frame->contradicts * (double)frame->places >= FEWEST_CONTRADICTIONS &&
-                        (frame->contradicts > CONTRADICTS + 2 * a->typical_share ||
-                         frame->darker > DARKER + 3 * a->typical_darker ||
-                         frame->dark > DARK + 3 * a->typical_dark);
-        f->frames[i].contradicts = is_clear || fabs(log(frame->gain)) > GAIN_MOST;
+        double darker = frame->darker * (double)frame->places;
+        bool differs = frame->contradictions >= FEWEST_CONTRADICTIONS &&
+                       frame->contradicts > CONTRADICTS + 2 * a->typical_share;
+        bool is_dark = darker >= FEWEST_CONTRADICTIONS &&
+                       (frame->darker > DARKER + 3 * a->typical_darker ||
+                        frame->dark > DARK + 3 * a->typical_dark);
+        f->frames[i].contradicts = differs || is_dark || fabs(log(frame->gain)) > GAIN_MOST;
         f->contradicting += f->frames[i].contradicts;
     }
     f->divided = (double)f->contradicting > DIVIDED * (double)f->frame_count;

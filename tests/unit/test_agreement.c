@@ -158,6 +158,36 @@ static void a_wrong_image(void)
     igi_observations_destroy(o);
 }
 
+static bool shows(const igi_observations *o, size_t i, const char *region)
+{
+    uint32_t r = scene->mesh.regions[igi_surface_triangle(o->surface[i])];
+    return strcmp(scene->regions[r].name, region) == 0;
+}
+
+/* The sun mirrored in a wall that fills half a photograph: it is far brighter there than all others
+ * are, and right. */
+static void a_mirrored_sun(void)
+{
+    igi_observations *o = observe();
+    size_t count = o->count, most = 0, frame = 0;
+    for (size_t f = 0; f < o->frame_count; f++) {
+        size_t n = 0;
+        for (size_t i = o->frame_begin[f]; i < o->frame_begin[f + 1]; i++) n += shows(o, i, "wall");
+        if (n > most) frame = f;
+        if (n > most) most = n;
+    }
+    CHECK(2 * most > pixels_of(o, frame));
+    for (size_t i = o->frame_begin[frame]; i < o->frame_begin[frame + 1]; i++)
+        for (size_t b = 0; b < 3 && shows(o, i, "wall"); b++) o->radiance[3 * i + b] *= 5;
+    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, o));
+    for (size_t i = 0; i < o->warning_count; i++) {
+        printf("    %s\n", o->warnings[i]);
+        CHECK(!strstr(o->warnings[i], scene->frames[frame].name));
+    }
+    CHECK(o->count == count);
+    igi_observations_destroy(o);
+}
+
 /* Turns a camera so that what it sees moves by so many pixels to the right. */
 static void turn(igi_camera *c, double pixels)
 {
@@ -298,6 +328,6 @@ static void clean_up(void)
 
 TEST_MAIN({"nothing_is_wrong", nothing_is_wrong}, {"an_exposure", an_exposure},
           {"a_drift", a_drift}, {"a_spoilt_piece", a_spoilt_piece},
-          {"a_wrong_image", a_wrong_image}, {"a_camera", a_camera}, {"all_cameras", all_cameras},
-          {"no_veil", no_veil}, {"a_veil", a_veil}, {"a_common_veil", a_common_veil},
-          {"", clean_up})
+          {"a_wrong_image", a_wrong_image}, {"a_mirrored_sun", a_mirrored_sun},
+          {"a_camera", a_camera}, {"all_cameras", all_cameras}, {"no_veil", no_veil},
+          {"a_veil", a_veil}, {"a_common_veil", a_common_veil}, {"", clean_up})
