@@ -21,18 +21,25 @@ static igi_vec reflect(igi_vec out, igi_vec half)
     return igi_normalize(igi_sub(igi_scale(half, 2 * igi_dot(half, out)), out));
 }
 
-/* Ward: exp(-tan^2 delta/alpha^2) / (4 pi alpha^2). */
-static float ward_core(float alpha, igi_vec h)
+#define NOTHING 80 /* e^-80: where floats end, exponentials are slow */
+
+static float tan2_of(igi_vec h)
 {
-    float tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
-    return expf(-tan2 / (alpha * alpha)) / (4 * IGI_PIF * alpha * alpha);
+    return (h.x * h.x + h.y * h.y) / (h.z * h.z);
+}
+
+/* Ward: exp(-tan^2 delta/alpha^2) / (4 pi alpha^2). */
+static float ward_core(float alpha, float tan2)
+{
+    float a2 = alpha * alpha, x = tan2 / a2;
+    return x < NOTHING ? expf(-x) / (4 * IGI_PIF * a2) : 0;
 }
 
 /* The density of half vectors is exp(-tan^2/alpha^2)/(pi alpha^2 cos^3 delta), and dh = di/(4 h.o)
  * (Walter, "Notes on the Ward BRDF", 2005). */
 static float ward_pdf(float alpha, igi_vec h, igi_vec out)
 {
-    return ward_core(alpha, h) / (h.z * h.z * h.z * igi_dot(h, out));
+    return ward_core(alpha, tan2_of(h)) / (h.z * h.z * h.z * igi_dot(h, out));
 }
 
 static igi_vec ward_sample(float alpha, igi_vec out, float u, float v)
@@ -109,7 +116,7 @@ void igi_lobe_terms(igi_model model, float alpha, igi_vec in, igi_vec out, float
     alpha = clamp_alpha(alpha);
     igi_vec h = half_vector(in, out);
     if (model == IGI_WARD) {
-        *scale = ward_core(alpha, h) / sqrtf(in.z * out.z);
+        *scale = ward_core(alpha, tan2_of(h)) / sqrtf(in.z * out.z);
     } else if (model == IGI_GGX) {
         float core = ggx_core(alpha, h, in, out), c = 1 - igi_dot(h, in);
         float schlick = c * c * c * c * c;
@@ -147,4 +154,13 @@ float igi_lobe_pdf(igi_model model, float alpha, igi_vec in, igi_vec out)
     case IGI_LAMBERT: break;
     }
     return in.z / IGI_PIF;
+}
+
+float igi_ward_pdf_sum(const float *alphas, int count, igi_vec in, igi_vec out)
+{
+    if (!(in.z > 0 && out.z > 0)) return 0;
+    igi_vec h = half_vector(in, out);
+    float tan2 = tan2_of(h), sum = 0;
+    for (int k = 0; k < count; k++) sum += ward_core(clamp_alpha(alphas[k]), tan2);
+    return sum / (h.z * h.z * h.z * igi_dot(h, out));
 }

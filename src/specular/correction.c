@@ -12,11 +12,12 @@
 #define FIRST_SHARE 2      /* fewer in the first round, which only refining uses */
 #define FEWEST_SAMPLES 12
 #define MOST_SAMPLES 512
-#define LEAST_RECEIVED 2 /* rays of a row that look for lobes: half of those it gathers with */
+#define RECEIVED_SAMPLES 40000 /* rays of a region's rows that look for lobes, about; of each row */
+#define LEAST_RECEIVED 8       /* so many at least, half of those it gathers with at most */
 #define MOST_RECEIVED 512
 
 typedef struct region_level {
-    size_t sides;
+    size_t sides, rows;
     igi_side_level level;
 } region_level;
 
@@ -29,16 +30,27 @@ typedef struct job {
     uint64_t round;
 } job;
 
+/* The rows of a large region are many, and smoothed over neighbours. */
+static int received_samples(const job *j, size_t row)
+{
+    const igi_rows *rows = j->diffuse->rows;
+    const region_level *r =
+        &j->regions[igi_patch_region(j->problem->patches, rows->side[row] >> 1)];
+    size_t most = (rows->begin[row + 1] - rows->begin[row]) / 2;
+    size_t samples = RECEIVED_SAMPLES / (j->round == 0 ? FIRST_SHARE : 1) / r->rows;
+    if (samples < LEAST_RECEIVED) samples = LEAST_RECEIVED;
+    if (samples > most) samples = most;
+    return samples > MOST_RECEIVED ? MOST_RECEIVED : samples > 1 ? (int)samples : 2;
+}
+
 /* Irradiance of a row by surfaces in the lobes of what its rays meet. */
 static uint64_t received_part(const job *j, size_t row, igi_rng *rng)
 {
     const igi_problem *p = j->problem;
     const igi_rows *rows = j->diffuse->rows;
     uint32_t side = rows->side[row];
-    size_t bands = (size_t)p->bands, half = (rows->begin[row + 1] - rows->begin[row]) / 2;
-    int samples = half < LEAST_RECEIVED  ? LEAST_RECEIVED
-                  : half > MOST_RECEIVED ? MOST_RECEIVED
-                                         : (int)half;
+    size_t bands = (size_t)p->bands;
+    int samples = received_samples(j, row);
     float sum[IGI_MAX_BANDS] = {0};
     uint64_t rays = 0;
     float start[2] = {igi_rng_float(rng), igi_rng_float(rng)};
@@ -115,6 +127,8 @@ static void average_regions(const igi_problem *p, const igi_diffuse *diffuse, re
         r->level.seen += mean_of(p->seen + side * bands, bands);
         r->level.diffuse += fmax(0, mean_of(diffuse->radiance + side * bands, bands));
     }
+    for (size_t row = 0; row < diffuse->rows->count; row++)
+        regions[igi_patch_region(p->patches, diffuse->rows->side[row] >> 1)].rows++;
     for (size_t r = 0; r < p->scene->region_count; r++) {
         regions[r].level.seen /= fmax(1, (double)regions[r].sides);
         regions[r].level.diffuse /= fmax(1, (double)regions[r].sides);

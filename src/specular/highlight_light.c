@@ -58,11 +58,7 @@ static place footprint_place(const job *j, const igi_pixel_view *v, float u, flo
 /* Density of all lobes together at direction `in`. */
 static float lobes_density(const job *j, igi_vec in, igi_vec out)
 {
-    float density = 0;
-    for (int a = 0; a < 4; a++)
-        density += (float)j->options->lobe_samples / 4 *
-                   igi_lobe_pdf(IGI_WARD, j->options->alphas[a], in, out);
-    return density;
+    return (float)j->options->lobe_samples / 4 * igi_ward_pdf_sum(j->options->alphas, 4, in, out);
 }
 
 /* Additive recurrences (Roberts 2018): of the plastic number for a direction, of square roots for
@@ -112,10 +108,8 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
 /* Density of all narrow lobes together. */
 static float sharp_density(const job *j, igi_vec in, igi_vec out)
 {
-    float density = 0, each = (float)(j->options->sharp_samples / 2);
-    for (int a = 0; a < 2 && each > 0; a++)
-        density += each * igi_lobe_pdf(IGI_WARD, j->options->sharp[a], in, out);
-    return density;
+    float each = (float)(j->options->sharp_samples / 2);
+    return each > 0 ? each * igi_ward_pdf_sum(j->options->sharp, 2, in, out) : 0;
 }
 
 /* The directions from narrow lobes that meet lamps, into directions[first...]. */

@@ -6,6 +6,11 @@
 
 #define LAMP_SAMPLES 16
 #define LOBE_SAMPLES 16
+/* A first look at a lamp, by few points and as if the lobe were so much broader: where it finds less
+ * than this share of what was seen, the highlight is elsewhere. */
+#define GLANCE_SAMPLES 4
+#define GLANCE_WIDTH 1.5f
+#define GLANCE_SHARE 1e-4f
 
 /* The lamps in a sharp lobe, by rays of the lobe. */
 static void add_mirrored(const igi_problem *p, const igi_lobe *lobe, igi_vec point, igi_vec normal,
@@ -28,6 +33,47 @@ static void add_mirrored(const igi_problem *p, const igi_lobe *lobe, igi_vec poi
     }
 }
 
+/* A place that a lobe is seen at. */
+typedef struct lobe_place {
+    const igi_problem *problem;
+    const igi_lobe *lobe;
+    igi_vec point, normal, out; /* out in the frame of the normal */
+} lobe_place;
+
+/* One lamp by so many points, as if the lobe had the roughness alpha. */
+static void add_lamp(const lobe_place *at, size_t light, float alpha, size_t count, float visible,
+                     float *radiance)
+{
+    const igi_problem *p = at->problem;
+    const float start[2] = {0.5f, 0.5f};
+    igi_light_sample samples[LAMP_SAMPLES];
+    size_t n = igi_light_sample_set(p->lighting, light, at->point, count, start, samples);
+    for (size_t k = 0; k < n; k++) {
+        igi_vec in = igi_to_local(samples[k].direction, at->normal);
+        float scale, base;
+        if (in.z <= 0) continue;
+        igi_lobe_terms(at->lobe->model, alpha, in, at->out, &scale, &base);
+        float carried = visible * in.z * samples[k].weight;
+        for (int b = 0; b < p->bands; b++)
+            radiance[b] += (at->lobe->specular[b] * scale + base) * carried *
+                           igi_light_sample_value(&p->lights[light], &samples[k], b);
+    }
+}
+
+/* Is the lamp mirrored somewhere else, far from here? */
+static bool is_elsewhere(const lobe_place *at, size_t light, uint32_t side)
+{
+    const igi_problem *p = at->problem;
+    const float *seen = p->seen + (size_t)side * (size_t)p->bands;
+    float glance[IGI_MAX_BANDS] = {0}, found = 0, all = 0;
+    add_lamp(at, light, fminf(1, GLANCE_WIDTH * at->lobe->alpha), GLANCE_SAMPLES, 1, glance);
+    for (int b = 0; b < p->bands; b++) {
+        found += glance[b];
+        all += seen[b];
+    }
+    return found < GLANCE_SHARE * all;
+}
+
 /* The view of a side in a photograph; SIZE_MAX: no photograph shows the side. */
 static size_t view_of_side(const igi_correction *c, uint32_t side, size_t frame)
 {
@@ -48,25 +94,15 @@ static void add_lamps(const igi_lobe_view *view, const igi_problem *problem, con
     igi_vec eye = igi_camera_centre(&p->scene->frames[frame].camera);
     if (hit->back) normal = igi_scale(normal, -1);
     igi_vec out = igi_to_local(igi_normalize(igi_sub(eye, point)), normal);
-    const float start[2] = {0.5f, 0.5f};
+    lobe_place at = {p, lobe, point, normal, out};
     bool sharp = lobe->alpha < IGI_SHARP_ALPHA && out.z > 0;
     if (sharp) add_mirrored(p, lobe, point, normal, out, lamps);
     for (size_t l = 0; l < view->rows->lights; l++) {
         float open = view->rows->open[row * view->rows->lights + l];
         float visible = open > 0 ? view->rows->direct[row * view->rows->lights + l] / open : 0;
-        igi_light_sample samples[LAMP_SAMPLES];
         if (!(visible > 0) || (sharp && p->lights[l].type == IGI_LIGHT_AREA)) continue;
-        size_t n = igi_light_sample_set(p->lighting, l, point, LAMP_SAMPLES, start, samples);
-        for (size_t k = 0; k < n; k++) {
-            igi_vec in = igi_to_local(samples[k].direction, normal);
-            float scale, base;
-            if (in.z <= 0) continue;
-            igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
-            float carried = visible * in.z * samples[k].weight;
-            for (int b = 0; b < p->bands; b++)
-                lamps[b] += (lobe->specular[b] * scale + base) * carried *
-                            igi_light_sample_value(&p->lights[l], &samples[k], b);
-        }
+        if (p->lights[l].type == IGI_LIGHT_AREA && is_elsewhere(&at, l, side)) continue;
+        add_lamp(&at, l, lobe->alpha, LAMP_SAMPLES, visible, lamps);
     }
 }
 

@@ -109,16 +109,18 @@ static double find_reach(const side_views *s, double d)
 {
     double reach = HUGE_VAL;
     for (int cut = 0; cut < CUTS; cut++) {
-        double n = 0, squares = 0;
+        double n = 0, squares = 0, farthest = 0;
         for (size_t i = 0; i < s->count; i++)
             for (size_t k = s->views[i].begin; k < s->views[i].end; k++) {
-                double x = deviation(s, &s->views[i], k, d);
-                if (fabs(x) > reach) continue;
+                double x = fabs(deviation(s, &s->views[i], k, d));
+                if (x > reach) continue;
                 n++;
                 squares += x * x;
+                farthest = fmax(farthest, x);
             }
         if (n < 2) break;
         reach = fmax(LEAST_OUTLIER, OUTLIER_SIGMAS * sqrt(squares / n));
+        if (farthest <= reach) break; /* it would cut nothing more */
     }
     return reach;
 }

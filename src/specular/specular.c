@@ -262,7 +262,7 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
     bool asked = p->options->model != IGI_ANY_MODEL;
     float a = s->specular->lobes[r].alpha;
     igi_highlight_options options = {.pixels = FEW_PIXELS,
-                                     .lobe_samples = 64,
+                                     .lobe_samples = 32,
                                      .lamp_samples = 96,
                                      .lamp_tests = 8,
                                      .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
