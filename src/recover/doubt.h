@@ -6,7 +6,7 @@
 #ifndef IGI_SRC_RECOVER_DOUBT_H
 #define IGI_SRC_RECOVER_DOUBT_H
 
-#include "diffuse/field.h"
+#include "recover/light_shares.h"
 
 #include <igi/recover.h>
 
@@ -27,10 +27,14 @@ IGI_MUST_USE igi_status igi_doubt_outlines(igi_context *ctx, const igi_problem *
 /* *off: of the light that reaches surfaces. */
 IGI_MUST_USE igi_status igi_doubt_gaps(igi_context *ctx, const igi_problem *p, igi_materials *m,
                                        double *off);
-/* Lights whose stated power the surfaces contradict; diffuse[regions]: those that tell. off[regions]:
- * of the light that reaches each, added to what is there. */
-IGI_MUST_USE igi_status igi_doubt_powers(igi_context *ctx, const igi_problem *p,
-                                         const igi_field *field, const bool *diffuse,
+/* Lights whose stated power the surfaces contradict. off[regions]: of the light that reaches each,
+ * added to what is there. */
+IGI_MUST_USE igi_status igi_doubt_powers(igi_context *ctx, const igi_light_shares *survey,
                                          igi_materials *m, double *off);
+/* What a mesh that is off, as edges say, does to the light of each region, likewise. */
+void igi_doubt_shape(const igi_light_shares *survey, double *off);
+/* A light that is not in the list, likewise. */
+IGI_MUST_USE igi_status igi_doubt_missing(igi_context *ctx, const igi_light_shares *survey,
+                                          igi_materials *m, double *off);
 
 #endif

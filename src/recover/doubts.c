@@ -145,6 +145,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
 {
     igi_status status = IGI_OK;
     igi_residuals *r = NULL;
+    igi_light_shares *survey = NULL;
     double(*pairs)[2] = NULL, lamps_off = 0, outlines_off = 0, gaps = 0;
     double *powers_off = NULL;
     bool *diffuse = NULL;
@@ -153,9 +154,13 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     IGI_TRY_GOTO(IGI_ALLOC(ctx, m->count, &diffuse));
     for (size_t i = 0; i < m->count; i++)
         diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
-    IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, diffuse, &r));
+    IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, m, diffuse, &r));
     IGI_TRY_GOTO(igi_doubt_lamps(ctx, p, m, &lamps_off));
-    IGI_TRY_GOTO(igi_doubt_powers(ctx, p, field, diffuse, m, powers_off));
+    if (!(p->options->target_error > 0))
+        IGI_TRY_GOTO(igi_light_shares_create(ctx, p, field, m, diffuse, &survey));
+    if (survey) IGI_TRY_GOTO(igi_doubt_powers(ctx, survey, m, powers_off));
+    if (survey) IGI_TRY_GOTO(igi_doubt_missing(ctx, survey, m, powers_off));
+    if (survey) igi_doubt_shape(survey, powers_off);
     IGI_TRY_GOTO(igi_doubt_outlines(ctx, p, m, &outlines_off));
     IGI_TRY_GOTO(igi_doubt_gaps(ctx, p, m, &gaps));
     IGI_TRY_GOTO(doubt_camera(ctx, r, m));
@@ -175,6 +180,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     }
 cleanup:
     igi_residuals_destroy(r);
+    igi_light_shares_destroy(survey);
     igi_free(pairs);
     igi_free(diffuse);
     igi_free(powers_off);

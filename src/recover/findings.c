@@ -103,6 +103,15 @@ static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int ban
             igi_model_name(e->broader), IGI_FIT_ALPHA_HIGH, igi_model_name(e->model)));
         IGI_TRY(igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence));
     }
+    if (e->rival == IGI_LAMBERT && e->alike != IGI_LAMBERT) {
+        IGI_TRY(igi_strprintf(ctx, &sentence,
+                              "its highlights do not tell lobes' families apart: %s's, with alpha "
+                              "%.2g, fits as well as %s's, which was asked for: specular and alpha "
+                              "are those of %s's",
+                              igi_model_name(e->alike), e->alike_alpha, igi_model_name(e->model),
+                              igi_model_name(e->model)));
+        return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+    }
     if (e->rival == IGI_LAMBERT) return IGI_OK;
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "its highlights have the shape of %s's lobe rather than %s's, which was "

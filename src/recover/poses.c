@@ -47,11 +47,12 @@ static void keep_right_ones(const igi_scene *given, const igi_observations *o, i
     }
 }
 
-/* What registering found no better camera for is no camera that is off. */
+/* What registering found no better camera for is no camera that is off; its edges are. */
 static void clear_refuted(const igi_registered *r, igi_observations *o)
 {
     for (size_t i = 0; i < r->frame_count; i++)
-        if (!r->frames[i].moved) o->registrations[i] = (igi_registration){0};
+        if (!r->frames[i].moved)
+            o->registrations[i] = (igi_registration){.residual = o->registrations[i].residual};
 }
 
 static size_t count_moved(const igi_registered *r)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Each side i of a patch has an albedo of its own, a_i = pi (L_i - S_i) / E_i: what left it, less the
- * lobe's part, over what reached it. Of a region of one albedo, or of a pattern, the a_i have no
+ * lobe's part, over what reached it; bands together, each by its region's albedo, or the colour of the
+ * light would pass for a trend. Of a region of one albedo, or of a pattern, the a_i have no
  * trend; light that was forgotten, moved or made up gives them one: a plane is fitted over each
  * region, and its slope compared with what scatter alone would give.
  *
@@ -39,15 +40,21 @@ static double mean_of(const float *x, int bands)
     return sum / bands;
 }
 
-double igi_residual_albedo(const igi_problem *p, const igi_field *field, uint32_t side)
+double igi_residual_albedo(const igi_problem *p, const igi_field *field, const igi_materials *m,
+                           uint32_t side)
 {
     float irradiance[IGI_MAX_BANDS];
     size_t at = (size_t)side * (size_t)p->bands;
+    const double *albedo = m->materials[igi_patch_region(p->patches, side >> 1)].albedo;
     if (igi_problem_seen_count(p, side) == 0 || !igi_field_of_side(field, side, irradiance))
         return -1;
-    double received = mean_of(irradiance, p->bands), left = mean_of(p->seen + at, p->bands);
+    double returned = 0, mean = 0, left = mean_of(p->seen + at, p->bands);
+    for (int b = 0; b < p->bands; b++) {
+        returned += albedo[b] * (double)irradiance[b] / p->bands;
+        mean += albedo[b] / p->bands;
+    }
     if (p->lobes) left -= mean_of(p->lobes->correction->seen + at, p->bands);
-    return received > 0 ? fmax(0, IGI_PI * left / received) : -1;
+    return returned > 0 ? fmax(0, mean * IGI_PI * left / returned) : -1;
 }
 
 /* Two passes over the sides: means first, then what varies about them. */
@@ -107,13 +114,13 @@ static double trend_of(region_sums *s)
 }
 
 static igi_status find_trends(igi_context *ctx, const igi_problem *p, const igi_field *field,
-                              igi_residuals *out)
+                              const igi_materials *m, igi_residuals *out)
 {
     region_sums *sums;
     IGI_TRY(IGI_ALLOC(ctx, out->region_count, &sums));
     for (int pass = 0; pass < 2; pass++) {
         for (uint32_t side = 0; side < 2 * p->patches->count; side++) {
-            double albedo = igi_residual_albedo(p, field, side);
+            double albedo = igi_residual_albedo(p, field, m, side);
             if (albedo < 0) continue;
             region_sums *s = &sums[igi_patch_region(p->patches, side >> 1)];
             if (pass && !(s->mean > 0)) continue;
@@ -323,8 +330,8 @@ cleanup:
 }
 
 igi_status igi_residuals_create(igi_context *ctx, const igi_problem *problem,
-                                const igi_field *field, const bool *diffuse,
-                                igi_residuals **residuals)
+                                const igi_field *field, const igi_materials *materials,
+                                const bool *diffuse, igi_residuals **residuals)
 {
     igi_status status = IGI_OK;
     igi_residuals *r = NULL;
@@ -332,7 +339,7 @@ igi_status igi_residuals_create(igi_context *ctx, const igi_problem *problem,
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     r->region_count = problem->scene->region_count;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, r->region_count, &r->regions));
-    IGI_TRY_GOTO(find_trends(ctx, problem, field, r));
+    IGI_TRY_GOTO(find_trends(ctx, problem, field, materials, r));
     IGI_TRY_GOTO(compare_views(ctx, problem, diffuse, r));
     *residuals = r;
     r = NULL;

@@ -7,6 +7,8 @@
 
 #include "diffuse/field.h"
 
+#include <igi/material.h>
+
 /* All relative: of 1. */
 typedef struct igi_region_residual {
     double sides;      /* how many of its patches' sides tell */
@@ -26,12 +28,14 @@ typedef struct igi_residuals {
     double drift;        /* standard deviation of the photographs' gains */
 } igi_residuals;
 
-/* diffuse[regions]: those that count for vignetting, glare and drift. */
+/* `materials` are those of the scene's regions, in order; diffuse[regions]: those that count for
+ * vignetting, glare and drift. */
 IGI_MUST_USE igi_status igi_residuals_create(igi_context *ctx, const igi_problem *problem,
-                                             const igi_field *field, const bool *diffuse,
-                                             igi_residuals **residuals);
+                                             const igi_field *field, const igi_materials *materials,
+                                             const bool *diffuse, igi_residuals **residuals);
 /* A side's own albedo, mean over bands; negative: it has none. */
-double igi_residual_albedo(const igi_problem *problem, const igi_field *field, uint32_t side);
+double igi_residual_albedo(const igi_problem *problem, const igi_field *field,
+                           const igi_materials *materials, uint32_t side);
 void igi_residuals_destroy(igi_residuals *residuals);
 
 #endif

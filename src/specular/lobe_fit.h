@@ -14,8 +14,12 @@
 
 typedef struct igi_lobe_estimate {
     igi_model model;
-    igi_model rival;   /* that fits better, though the user asked for `model`; IGI_LAMBERT: none */
-    igi_model broader; /* that may fit as well, with an alpha beyond what is looked for; likewise */
+    igi_model rival; /* that fits better, though the user asked for `model`; IGI_LAMBERT: none */
+    igi_model
+        broader; /* that may fit as well, with an alpha beyond what is looked for; likewise, */
+    double broader_specular, broader_alpha; /* of it, where it ran into the bound */
+    igi_model alike;    /* that fits as well, though the user asked for `model`, */
+    double alike_alpha; /* with this alpha; likewise */
     double specular, specular_std;
     double alpha, alpha_std;
     double noise_std; /* of specular, were independent noise all that there is */

@@ -144,25 +144,53 @@ static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t regi
     return status;
 }
 
+/* The family that fits best beside the chosen one, unless it fits worse by more than the margin. */
+static void find_alike(const igi_lobe_estimate *found, size_t count, igi_lobe_estimate *best)
+{
+    double least = best->deviance + margin_of(best);
+    for (size_t i = 0; i < count; i++) {
+        if (found[i].model == best->model || found[i].at_bound || found[i].deviance > least)
+            continue;
+        least = found[i].deviance;
+        best->alike = found[i].model;
+        best->alike_alpha = found[i].alpha;
+    }
+}
+
 /* The best of the given models on these highlights. */
 static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
                              const igi_highlights *h, const igi_model *models, size_t count)
 {
-    igi_lobe_estimate *best = &s->specular->estimates[region], found, broad = {.at_bound = false};
+    igi_lobe_estimate *best = &s->specular->estimates[region], all[3], broad = {.at_bound = false};
     igi_model before = best->model;
     double near_alpha = best->alpha;
     for (size_t i = 0; i < count; i++) {
         double start = before == IGI_LAMBERT ? 0 : near_alpha;
         /* a Phong lobe of the same width has twice the alpha: cos^n of twice the angle */
         if (before == IGI_WARD && models[i] == IGI_PHONG) start = 2 * near_alpha;
-        IGI_TRY(igi_lobe_fit(ctx, h, models[i], start, &found));
-        record(s, region, before == IGI_LAMBERT ? "search" : "refine", &found);
-        if (i == 0 || is_better(&found, best)) *best = found;
-        if (found.at_bound && (!broad.at_bound || found.deviance < broad.deviance)) broad = found;
+        igi_lobe_estimate *found = &all[i];
+        IGI_TRY(igi_lobe_fit(ctx, h, models[i], start, found));
+        record(s, region, before == IGI_LAMBERT ? "search" : "refine", found);
+        if (i == 0 || is_better(found, best)) *best = *found;
+        if (found->at_bound && (!broad.at_bound || found->deviance < broad.deviance))
+            broad = *found;
     }
-    if (broad.at_bound && !best->at_bound && best->deviance > broad.deviance - margin_of(best))
+    find_alike(all, count, best);
+    if (broad.at_bound && !best->at_bound && best->deviance > broad.deviance - margin_of(best)) {
         best->broader = broad.model;
+        best->broader_specular = broad.specular;
+        best->broader_alpha = broad.alpha;
+    }
     return IGI_OK;
+}
+
+/* A family that fits as well leaves open what it says otherwise. */
+static void allow_for_broader(igi_lobe_estimate *e, const igi_lobe_estimate *first)
+{
+    e->broader = first->broader;
+    if (e->broader == IGI_LAMBERT) return;
+    e->specular_std = hypot(e->specular_std, first->broader_specular - e->specular);
+    e->alpha_std = hypot(e->alpha_std, first->broader_alpha - e->alpha);
 }
 
 /* Is the lobe asked for? It must gain far more likelihood than chance gives (BIC), more than errors
@@ -268,22 +296,26 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
                                      .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
                                      .sharp = {0.7f * a, 1.5f * a},
                                      .alphas = {0.6f * a, a, 1.7f * a, fmaxf(0.4f, a)}};
-    igi_lobe_estimate *e = &s->specular->estimates[r], before = *e;
+    igi_lobe_estimate *e = &s->specular->estimates[r], before = *e, first;
     igi_highlight_scores scores;
     igi_highlights *few = NULL, *more = NULL;
     order_models(p, models);
     IGI_TRY(score_pixels(ctx, s, r, REFINE_SCORED, options.alphas, &scores));
     IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, NULL, &few));
     IGI_TRY_GOTO(fit_region(ctx, s, r, few, models, 3));
-    const igi_model best = e->model, chosen = asked ? models[0] : best, broader = e->broader;
+    first = *e;
+    const igi_model chosen = asked ? models[0] : first.model;
     if (asked) *e = before;
     options.pixels = asked ? MOST_PIXELS : enough_pixels(FEW_PIXELS, e);
     if (options.pixels > FEW_PIXELS) {
         IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, few, &more));
         IGI_TRY_GOTO(fit_region(ctx, s, r, more, &chosen, 1));
     }
-    e->rival = best != chosen ? best : IGI_LAMBERT;
-    e->broader = asked ? IGI_LAMBERT : broader;
+    e->rival = first.model != chosen ? first.model : IGI_LAMBERT;
+    e->alike = asked ? first.alike : IGI_LAMBERT;
+    e->alike_alpha = first.alike_alpha;
+    e->broader = IGI_LAMBERT;
+    if (!asked) allow_for_broader(e, &first);
 cleanup:
     igi_highlights_destroy(few);
     igi_highlights_destroy(more);

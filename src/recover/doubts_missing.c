@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * A light that nobody lists leaves its pattern in the albedos of sides: to a bulb at x of intensity s
+ * falls the share d_i(x) = cos(theta) / (r^2 E_i), and
+ *     a_i = rho (1 + sum s_l d_il + s d_i(x)).
+ * For each x of a grid s follows by least squares beside the scales of the lights that are known, the
+ * regions' means and those scales being eliminated. The best of many places is better than it should
+ * be by chance, and what is alike over a region passes for light: both are asked for more than that.
+ */
+#include "recover/doubt.h"
+
+#include "base/solve.h"
+
+#include <string.h>
+
+enum { LIGHTS = IGI_SHARES_LIGHTS, STEPS = 5, ROUNDS = 4 };
+#define MARGIN 0.1        /* of the room's size, that the grid stays away from its ends */
+#define NEAREST 0.03      /* of its size: a bulb shines no brighter than from so far */
+#define BY_CHANCE 3.5     /* standard deviations of the best of the grid where nothing is missing */
+#define SURE 6.0          /* standard deviations that deserve a word, */
+#define SURE_REGIONS 3.0  /* and when regions are left out in turn, */
+#define WORTH_A_WORD .005 /* and a share of the light */
+
+/* Of a region, for one place: sums of weights, with d, d^2, and d with what is off and the shares. */
+typedef struct terms {
+    double w, d, dd, off, share[LIGHTS], sides, plain; /* plain: of d, all alike */
+} terms;
+
+typedef struct search {
+    const igi_light_shares *s;
+    double nearest2;
+    terms *regions; /* [regions] of the last place, */
+    terms all;      /* centred and added up */
+    double matrix[LIGHTS * LIGHTS], right[LIGHTS];
+    uint64_t rays;
+} search;
+
+typedef struct bulb {
+    igi_vec at;
+    double intensity, error; /* mean over bands */
+} bulb;
+
+/* Irradiance from a bulb of intensity 1. */
+static double received_from(const igi_look *l, igi_vec at, double nearest2)
+{
+    igi_vec to = igi_sub(at, l->point);
+    double r2 = (double)igi_dot(to, to), along = (double)igi_dot(to, l->normal);
+    return along > 0 ? along / (sqrt(r2) * fmax(r2, nearest2)) : 0;
+}
+
+static void add_look(const search *q, const igi_look *l, igi_vec at, bool shadows, terms *t)
+{
+    const igi_light_shares *s = q->s;
+    double d = received_from(l, at, q->nearest2) / l->received;
+    if (d > 0 && shadows && igi_occluded(s->p->tracer, l->point, at)) d = 0;
+    t->sides++;
+    t->plain += d;
+    t->w += l->weight;
+    t->d += l->weight * d;
+    t->dd += l->weight * d * d;
+    t->off += l->weight * d * l->off;
+    for (size_t k = 0; k < s->light_count; k++) t->share[k] += l->weight * d * l->share[k];
+}
+
+static void add_terms(terms *all, const terms *t, double sign, size_t lights)
+{
+    if (!(t->w > 0)) return;
+    all->dd += sign * (t->dd - t->d * t->d / t->w);
+    all->off += sign * t->off;
+    for (size_t k = 0; k < lights; k++) all->share[k] += sign * t->share[k];
+}
+
+/* The intensity and its error, what the known lights explain being taken out; false: nothing tells. */
+static bool solve(const search *q, const terms *all, const double *matrix, const double *right,
+                  double *intensity, double *error)
+{
+    size_t n = q->s->light_count;
+    double m[LIGHTS * LIGHTS], x[2 * LIGHTS], information = all->dd, sum = all->off;
+    memcpy(m, matrix, sizeof m);
+    for (size_t k = 0; k < n; k++) {
+        m[k * n + k] += 1; /* as in the survey */
+        x[k] = all->share[k];
+        x[n + k] = right[k];
+    }
+    if (n > 0 && !igi_solve_cholesky(m, n, x, 2)) return false;
+    for (size_t k = 0; k < n; k++) {
+        information -= all->share[k] * x[k];
+        sum -= all->share[k] * x[n + k];
+    }
+    if (!(information > 1e-9 * all->dd)) return false;
+    *intensity = sum / information;
+    *error = 1 / sqrt(information);
+    return true;
+}
+
+/* How many standard deviations of light there are from `at`. */
+static double try_place(search *q, igi_vec at, bool shadows, bulb *found)
+{
+    const igi_light_shares *s = q->s;
+    memset(q->regions, 0, s->regions * sizeof *q->regions);
+    for (size_t i = 0; i < s->count; i++)
+        if (s->looks[i].weight > 0 || shadows)
+            add_look(q, &s->looks[i], at, shadows, &q->regions[s->looks[i].region]);
+    if (shadows) q->rays += s->count;
+    q->all = (terms){.w = 0};
+    for (size_t r = 0; r < s->regions; r++) add_terms(&q->all, &q->regions[r], 1, s->light_count);
+    found->at = at;
+    if (!solve(q, &q->all, q->matrix, q->right, &found->intensity, &found->error)) return 0;
+    return found->intensity / found->error;
+}
+
+/* What regions left out in turn change. */
+static double jackknife(const search *q, const bulb *found)
+{
+    const igi_light_shares *s = q->s;
+    size_t n = s->light_count;
+    double squares = 0, voices = 0;
+    for (size_t r = 0; r < s->regions; r++) {
+        double matrix[LIGHTS * LIGHTS], right[LIGHTS], intensity, error;
+        terms all = q->all;
+        if (!(q->regions[r].w > 0)) continue;
+        add_terms(&all, &q->regions[r], -1, n);
+        for (size_t k = 0; k < n * n; k++) matrix[k] = q->matrix[k] - s->matrix[r][k];
+        for (size_t k = 0; k < n; k++) right[k] = q->right[k] - s->right[r][k];
+        if (!solve(q, &all, matrix, right, &intensity, &error)) return HUGE_VAL;
+        squares += (intensity - found->intensity) * (intensity - found->intensity);
+        voices++;
+    }
+    return sqrt(squares * (voices - 1) / fmax(1, voices));
+}
+
+static void find_room(const igi_light_shares *s, igi_vec *low, igi_vec *size)
+{
+    igi_vec high = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+    *low = (igi_vec){HUGE_VALF, HUGE_VALF, HUGE_VALF};
+    for (size_t i = 0; i < s->count; i++) {
+        igi_vec at = s->looks[i].point;
+        *low = (igi_vec){fminf(low->x, at.x), fminf(low->y, at.y), fminf(low->z, at.z)};
+        high = (igi_vec){fmaxf(high.x, at.x), fmaxf(high.y, at.y), fmaxf(high.z, at.z)};
+    }
+    *size = igi_sub(high, *low);
+}
+
+static igi_vec place(igi_vec low, igi_vec size, const int at[3])
+{
+    const float step = (float)(1 - 2 * MARGIN) / (STEPS - 1), first = (float)MARGIN;
+    return (igi_vec){low.x + size.x * (first + step * (float)at[0]),
+                     low.y + size.y * (first + step * (float)at[1]),
+                     low.z + size.z * (first + step * (float)at[2])};
+}
+
+/* A grid without shadows, then about its best with them. Returns the standard deviations. */
+static double look_everywhere(search *q, bulb *best)
+{
+    igi_vec low, size;
+    double most = 0;
+    bulb found;
+    find_room(q->s, &low, &size);
+    double side = NEAREST * (double)igi_length(size);
+    q->nearest2 = side * side;
+    for (int i = 0; i < STEPS * STEPS * STEPS; i++) {
+        const int at[3] = {i % STEPS, i / STEPS % STEPS, i / STEPS / STEPS};
+        double sigmas = try_place(q, place(low, size, at), false, &found);
+        if (sigmas <= most) continue;
+        most = sigmas;
+        *best = found;
+    }
+    if (most < BY_CHANCE) return 0;
+    igi_vec middle = best->at;
+    float step = (float)(1 - 2 * MARGIN) / (STEPS - 1);
+    most = try_place(q, middle, true, best);
+    for (int round = 0; round < ROUNDS; round++, middle = best->at, step /= 2)
+        for (int i = 0; i < 6; i++) {
+            float by = (i & 1 ? step : -step);
+            igi_vec at = middle;
+            if (i / 2 == 0) at.x += by * size.x;
+            if (i / 2 == 1) at.y += by * size.y;
+            if (i / 2 == 2) at.z += by * size.z;
+            double sigmas = try_place(q, at, true, &found);
+            if (sigmas <= most) continue;
+            most = sigmas;
+            *best = found;
+        }
+    return try_place(q, best->at, true, best);
+}
+
+static igi_status say(igi_context *ctx, const bulb *b, double error, double share, igi_materials *m)
+{
+    char *sentence;
+    IGI_TRY(igi_strprintf(
+        ctx, &sentence,
+        "the surfaces are as bright as if a light that is not listed hung near (%.1f, %.1f, %.1f), "
+        "with some %.2g +- %.1g of intensity (%.1f %% of the light): list it, without its power to "
+        "have it solved; or a light's place or kind is wrong, or the mesh is, or something shines "
+        "there",
+        (double)b->at.x, (double)b->at.y, (double)b->at.z, b->intensity, error, 100 * share));
+    return igi_doubt_say(ctx, m, sentence);
+}
+
+static void widen(const search *q, double sure, double usual, double *off)
+{
+    for (size_t r = 0; r < q->s->regions; r++) {
+        const terms *t = &q->regions[r];
+        double share = t->sides > 0 ? t->plain / t->sides : usual;
+        off[r] = hypot(off[r], sure * share);
+    }
+}
+
+igi_status igi_doubt_missing(igi_context *ctx, const igi_light_shares *s, igi_materials *m,
+                             double *off)
+{
+    search q = {.s = s};
+    bulb found;
+    double plain = 0, sides = 0;
+    IGI_TRY(IGI_ALLOC(ctx, s->regions, &q.regions));
+    for (size_t r = 0; r < s->regions; r++) {
+        for (size_t k = 0; k < LIGHTS * LIGHTS; k++) q.matrix[k] += s->matrix[r][k];
+        for (size_t k = 0; k < LIGHTS; k++) q.right[k] += s->right[r][k];
+    }
+    igi_status status = IGI_OK;
+    double sigmas = look_everywhere(&q, &found);
+    igi_count_rays(ctx, q.rays);
+    if (sigmas <= BY_CHANCE) goto cleanup;
+    double error = jackknife(&q, &found), chance = BY_CHANCE * found.error;
+    for (size_t r = 0; r < s->regions; r++) {
+        plain += q.regions[r].plain;
+        sides += q.regions[r].sides;
+    }
+    double share = plain / fmax(1, sides);
+    if (sigmas > SURE && found.intensity > SURE_REGIONS * error &&
+        found.intensity * share > WORTH_A_WORD)
+        IGI_TRY_GOTO(say(ctx, &found, hypot(error, found.error), found.intensity * share, m));
+    widen(&q, sqrt(fmax(0, found.intensity * found.intensity - error * error - chance * chance)),
+          share, off);
+cleanup:
+    igi_free(q.regions);
+    return status;
+}

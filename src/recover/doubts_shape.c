@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * A mesh that is not exact shows in the photographs' edges, which lie beside its own, each by something
+ * else. By as much as edges are off, surfaces may be nearer to a lamp or farther, and get more of its
+ * light or less, which nothing else shows: a wall that is off as a whole looks as even as before.
+ */
+#include "recover/doubt.h"
+
+#define EXACT_PX 0.2    /* where cameras and mesh are exact, edges lie so far off, for noise */
+#define FEWEST_EDGES 20 /* of a photograph; none: its camera was found to be right */
+#define LOOKED_AT 500   /* sides, for distances */
+
+/* Mean over the photographs of what their edges are off, pixels, beyond what is found anyway. */
+static double edges_off(const igi_observations *o)
+{
+    double sum = 0, n = 0;
+    for (size_t f = 0; o->registrations && f < o->frame_count; f++) {
+        const igi_registration *r = &o->registrations[f];
+        if (!(r->residual > 0) || (r->edges > 0 && r->edges < FEWEST_EDGES)) continue;
+        sum += r->residual;
+        n++;
+    }
+    double mean = sum / fmax(1, n);
+    return sqrt(fmax(0, mean * mean - EXACT_PX * EXACT_PX));
+}
+
+/* A pixel's side at the distance of what photographs show, metres. */
+static double pixel_m(const igi_light_shares *s)
+{
+    double sum = 0, n = 0;
+    size_t step = s->count / LOOKED_AT + 1;
+    for (size_t f = 0; f < s->p->scene->frame_count; f++) {
+        const igi_camera *c = &s->p->scene->frames[f].camera;
+        igi_vec eye = {(float)c->camera_to_world[0][3], (float)c->camera_to_world[1][3],
+                       (float)c->camera_to_world[2][3]};
+        for (size_t i = 0; i < s->count; i += step, n++)
+            sum += (double)igi_length(igi_sub(s->looks[i].point, eye)) / c->fl_x;
+    }
+    return n > 0 ? sum / n : 0;
+}
+
+/* What reaches one side more where it lies `delta` farther out, as a share of all that does. */
+static double change_of(const igi_light_shares *s, const igi_look *l, size_t light, double delta)
+{
+    const igi_lighting *lighting = s->p->lighting;
+    igi_vec out = igi_add(l->point, igi_scale(l->normal, (float)delta));
+    double value = 0, change = 0;
+    for (int b = 0; b < s->p->bands; b++) value += s->p->lights[light].value[b] / s->p->bands;
+    change += (double)igi_light_irradiance(lighting, NULL, light, out, l->normal, 1, 0);
+    change -= (double)igi_light_irradiance(lighting, NULL, light, l->point, l->normal, 1, 0);
+    return change * value / l->received;
+}
+
+/* All of a region moves at once. */
+void igi_doubt_shape(const igi_light_shares *s, double *off)
+{
+    double delta = edges_off(s->p->observations) * pixel_m(s);
+    if (!(delta > 0)) return;
+    for (size_t r = 0; r < s->regions; r++) {
+        double change = 0, n = 0;
+        size_t step = (size_t)(s->sides[r] / LOOKED_AT) + 1, seen = 0;
+        for (size_t i = 0; i < s->count; i++) {
+            if (s->looks[i].region != r || seen++ % step) continue;
+            for (size_t k = 0; k < s->light_count; k++)
+                change += change_of(s, &s->looks[i], s->lights[k], delta);
+            n++;
+        }
+        off[r] = hypot(off[r], change / fmax(1, n));
+    }
+}
