@@ -68,6 +68,8 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, const igi_trac
     igi_stage_begin(ctx, "agreement");
     IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, o));
     IGI_TRY_GOTO(igi_observations_judge(ctx, scene, o, &agreement, &faults));
+    IGI_TRY_GOTO(igi_copy_sentences(ctx, scene->warnings, scene->warning_count, &check->warnings,
+                                    &check->warning_count));
     IGI_TRY_GOTO(igi_copy_sentences(ctx, o->warnings, o->warning_count, &check->warnings,
                                     &check->warning_count));
     igi_stage_begin(ctx, "survey");

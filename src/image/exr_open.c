@@ -130,7 +130,8 @@ static bool has_channel(const exr_attr_chlist_t *list, const char *name)
     return false;
 }
 
-/* The order in which channels stand: R G B, or a lone Y, then A, then the others by name. */
+/* The order in which channels stand: R G B, or a lone Y (not that of X Y Z), then A, then the others
+ * by name. */
 static int rank(const char *name, const char *first)
 {
     const char *at = name[0] && !name[1] ? strchr(first, name[0]) : NULL;
@@ -167,7 +168,7 @@ static igi_status arrange_channels(igi_context *ctx, const igi_exr_source *from,
                    : strcmp(name, "BY") == 0 ? "B"
                    : strcmp(name, "Y") == 0  ? "G"
                                              : name;
-        ranks[i] = rank(name, "RGBYA");
+        ranks[i] = rank(name, has_channel(list, "X") ? "RGBA" : "RGBYA");
         out->slot[i] = 0;
         for (int j = 0; j < i; j++) /* the file's order is by name: equal ranks keep it */
             if (ranks[j] <= ranks[i]) out->slot[i]++;

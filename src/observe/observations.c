@@ -146,7 +146,8 @@ static igi_status check_pixels(igi_context *ctx, const igi_scene *scene, size_t 
     if (f->hits > 0) return IGI_OK;
     return igi_fail(ctx, IGI_E_DATA,
                     "%s: this camera sees nothing of the mesh; mesh and cameras must share one "
-                    "frame and one unit, metres (igi register --points brings cameras there)",
+                    "frame and one unit, metres: mind which axis is up (modellers export glTF and "
+                    "OBJ with +Y up), or bring cameras there with igi register --points",
                     meta->path);
 }
 

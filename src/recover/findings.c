@@ -154,6 +154,8 @@ igi_status igi_materials_of(igi_context *ctx, const igi_problem *p, const igi_di
         if (p->lights[k].file) IGI_TRY_GOTO(igi_strdup(ctx, p->lights[k].file, &m->lights[l].file));
         memcpy(m->light_std[l], p->light_std[k], sizeof m->light_std[l]);
     }
+    IGI_TRY_GOTO(igi_copy_sentences(ctx, p->scene->warnings, p->scene->warning_count, &m->warnings,
+                                    &m->warning_count));
     IGI_TRY_GOTO(igi_copy_sentences(ctx, p->observations->warnings, p->observations->warning_count,
                                     &m->warnings, &m->warning_count));
     IGI_TRY_GOTO(

@@ -9,6 +9,7 @@
 #include "scene/scene_parts.h"
 #include "scene/mesh.h"
 #include "scene/photos.h"
+#include "scene/plausible.h"
 #include "scene/scene_notes.h"
 
 #include <stdio.h>
@@ -171,6 +172,7 @@ igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **sc
     }
     IGI_TRY_GOTO(igi_scene_note_file(context, s, manifest));
     IGI_TRY_GOTO(read_manifest(context, manifest, s));
+    IGI_TRY_GOTO(igi_scene_check_plausible(context, manifest, s));
     *scene = s;
     s = NULL;
 cleanup:

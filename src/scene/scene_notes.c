@@ -5,6 +5,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format, ...)
 {
@@ -14,7 +15,9 @@ igi_status igi_scene_warn(igi_context *ctx, igi_scene *scene, const char *format
     vsnprintf(sentence, sizeof sentence, format, args);
     va_end(args);
     igi_warn(ctx, "%s", sentence);
-    char *const one = sentence;
+    size_t n = scene->folder ? strlen(scene->folder) : 0; /* results know no path of the machine */
+    bool within = n && strncmp(sentence, scene->folder, n) == 0 && sentence[n] == '/';
+    char *const one = within ? sentence + n + 1 : sentence;
     return igi_copy_sentences(ctx, &one, 1, &scene->warnings, &scene->warning_count);
 }
 
