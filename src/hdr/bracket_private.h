@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * A bracket while it is being merged; bracket.c leads, judge.c says what is wrong with it.
+ * A bracket while it is being merged; bracket.c leads, neighbours.c compares, judge.c says what is wrong with it.
  */
 #ifndef IGI_SRC_HDR_BRACKET_PRIVATE_H
 #define IGI_SRC_HDR_BRACKET_PRIVATE_H
@@ -27,6 +27,9 @@ typedef struct job {
     bool taken_as_linear; /* codes of 16 bits that no raw file was developed to */
     double brightest;     /* code of all, a part of the range */
 } job;
+
+/* The first pass: fills the bracket but for its response, where that is to be recovered. */
+IGI_MUST_USE igi_status igi_hdr_compare_exposures(igi_context *ctx, job *j);
 
 /* The i-th photograph and the one before must not be one picture. */
 IGI_MUST_USE igi_status igi_hdr_refuse_twins(igi_context *ctx, const job *j, size_t i,

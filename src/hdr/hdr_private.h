@@ -72,8 +72,7 @@ IGI_MUST_USE igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo 
                                               double *log_ratio);
 
 /* Whole-pixel shift of b against a, or none where one does not make the pictures agree better. */
-IGI_MUST_USE igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                                      igi_shift *shift);
+void igi_hdr_align(const igi_photo *a, const igi_photo *b, igi_shift *shift);
 
 /* Adds parts of a pixel and a turn, where they are significant; else *shift stays. By the response, or by
  * the pair's comparagram where that is NULL. */
@@ -90,27 +89,45 @@ IGI_MUST_USE igi_status igi_hdr_compare_merge(igi_context *ctx, const igi_exposu
                                               size_t count, const igi_response *response,
                                               bool robertson, igi_image **image);
 
-/* The place of b that shows (x,y) of a, in pixels from the centre of pixel (0,0). */
-static inline void igi_hdr_place(const igi_photo *b, int x, int y, const igi_shift *shift,
-                                 double place[2])
+/* A shift as it is followed from pixel to pixel: where b shows what a shows. */
+typedef struct igi_motion {
+    const igi_photo *b;
+    int x, y;
+    bool turned;
+    double cosine, sine, centre[2], by[2];
+} igi_motion;
+
+static inline igi_motion igi_motion_of(const igi_photo *b, const igi_shift *s)
 {
-    double cx = (b->width - 1) / 2., cy = (b->height - 1) / 2.;
-    double c = cos(shift->angle), s = sin(shift->angle), px = x - cx, py = y - cy;
-    place[0] = cx + c * px - s * py + shift->x + shift->part_x;
-    place[1] = cy + s * px + c * py + shift->y + shift->part_y;
+    return (igi_motion){.b = b,
+                        .x = s->x,
+                        .y = s->y,
+                        .turned = s->angle != 0,
+                        .cosine = cos(s->angle),
+                        .sine = sin(s->angle),
+                        .centre = {(b->width - 1) / 2., (b->height - 1) / 2.},
+                        .by = {s->x + s->part_x, s->y + s->part_y}};
+}
+
+/* The place of b that shows (x,y) of a, in pixels from the centre of pixel (0,0). */
+static inline void igi_motion_place(const igi_motion *m, double x, double y, double place[2])
+{
+    double px = x - m->centre[0], py = y - m->centre[1];
+    place[0] = m->centre[0] + m->cosine * px - m->sine * py + m->by[0];
+    place[1] = m->centre[1] + m->sine * px + m->cosine * py + m->by[1];
 }
 
 /* The index of the pixel of b nearest to that place; SIZE_MAX outside. */
-static inline size_t igi_hdr_shifted(const igi_photo *b, int x, int y, const igi_shift *shift)
+static inline size_t igi_motion_pixel(const igi_motion *m, int x, int y)
 {
-    int u = x + shift->x, v = y + shift->y;
-    if (shift->angle != 0) {
+    int u = x + m->x, v = y + m->y;
+    if (m->turned) {
         double place[2];
-        igi_hdr_place(b, x, y, shift, place);
+        igi_motion_place(m, x, y, place);
         u = (int)lround(place[0]), v = (int)lround(place[1]);
     }
-    if (u < 0 || v < 0 || u >= b->width || v >= b->height) return SIZE_MAX;
-    return (size_t)v * (size_t)b->width + (size_t)u;
+    if (u < 0 || v < 0 || u >= m->b->width || v >= m->b->height) return SIZE_MAX;
+    return (size_t)v * (size_t)m->b->width + (size_t)u;
 }
 
 #endif

@@ -12,8 +12,7 @@
  * A pixel costs its result alone: the radiance's place holds sum w x/h, the variance's sum w.
  */
 #include "base/context.h"
-#include "hdr/merge_private.h"
-#include "image/resample.h"
+#include "hdr/sight.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -123,14 +122,6 @@ static void note_residual(accumulator *acc, double u)
     acc->residuals[bin < 0 ? 0 : bin >= RESIDUAL_BINS ? RESIDUAL_BINS - 1 : bin]++;
 }
 
-/* One pixel of a photograph: its exposures, and those that the longer photographs predict. */
-typedef struct sight {
-    float x[3], fade[3], predicted[3]; /* predicted: x where nothing is known yet */
-    bool between;
-    float low[3], high[3]; /* if so, of the pixels that x was read between */
-    bool known[3];
-} sight;
-
 static float joint_fade(const accumulator *acc, const sight *s, bool linear)
 {
     float fade = 1;
@@ -147,59 +138,6 @@ static void predict(const accumulator *acc, float h, const float *pixel, sight *
         s->known[c] = weight > 0;
         s->predicted[c] = s->known[c] ? pixel[c] / weight * h : s->x[c];
     }
-}
-
-/* What the photograph shows of a pixel; false outside of it. */
-static inline bool look(const accumulator *acc, const igi_photo *photo,
-                        const igi_response *response, int x, int y, const igi_shift *shift,
-                        sight *s)
-{
-    size_t at = igi_hdr_shifted(photo, x, y, shift);
-    if (at == SIZE_MAX) return false;
-    const uint16_t *codes = photo->codes + at * (size_t)acc->channels;
-    const float *curve = response->exposure;
-    for (int c = 0; c < acc->channels; c++, curve += response->levels) {
-        s->x[c] = curve[codes[c]];
-        s->fade[c] = acc->fade[codes[c]];
-    }
-    return true;
-}
-
-/* The same between pixels: Catmull and Rom's bicubic over exposures, held within the four around. One
- * saturated pixel among those spoils it. */
-static bool look_between(const accumulator *acc, const igi_photo *photo,
-                         const igi_response *response, int x, int y, const igi_shift *shift,
-                         sight *s)
-{
-    double place[2], wx[4], wy[4];
-    igi_hdr_place(photo, x, y, shift, place);
-    if (!(place[0] >= 0 && place[1] >= 0 && place[0] <= photo->width - 1 &&
-          place[1] <= photo->height - 1))
-        return false;
-    int x0 = (int)place[0], y0 = (int)place[1];
-    igi_cubic_weights(place[0] - x0, wx);
-    igi_cubic_weights(place[1] - y0, wy);
-    double sum[3] = {0};
-    for (int c = 0; c < acc->channels; c++) s->fade[c] = 1, s->low[c] = HUGE_VALF, s->high[c] = 0;
-    for (int k = 0; k < 16; k++) {
-        int u = igi_clamp_index(x0 + k % 4 - 1, photo->width);
-        int v = igi_clamp_index(y0 + k / 4 - 1, photo->height);
-        bool inner = k % 4 % 3 && k / 4 % 3;
-        const uint16_t *codes = photo->codes + ((size_t)v * (size_t)photo->width + (size_t)u) *
-                                                   (size_t)acc->channels;
-        const float *curve = response->exposure;
-        for (int c = 0; c < acc->channels; c++, curve += response->levels) {
-            float value = curve[codes[c]], fade = acc->fade[codes[c]];
-            sum[c] += wx[k % 4] * wy[k / 4] * (double)value;
-            if (inner && fade < s->fade[c]) s->fade[c] = fade;
-            if (!inner) continue;
-            s->low[c] = fminf(s->low[c], value);
-            s->high[c] = fmaxf(s->high[c], value);
-        }
-    }
-    for (int c = 0; c < acc->channels; c++)
-        s->x[c] = fminf(s->high[c], fmaxf(s->low[c], (float)sum[c]));
-    return true;
 }
 
 /* Something moved: where both are well exposed, the photograph shows clearly else than the longer
@@ -256,10 +194,11 @@ void igi_accumulator_add(accumulator *acc, const igi_photo *photo, const igi_res
     acc->saturated = acc->samples = acc->moved = 0;
     bool whole = igi_shift_is_whole(shift);
     sight s = {.between = !whole};
+    const igi_motion motion = igi_motion_of(photo, shift);
     for (int y = 0; y < acc->image->height; y++)
         for (int x = 0; x < acc->image->width; x++) {
-            if (!(whole ? look(acc, photo, response, x, y, shift, &s)
-                        : look_between(acc, photo, response, x, y, shift, &s)))
+            if (!(whole ? igi_sight_look(acc, &motion, response, x, y, &s)
+                        : igi_sight_look_between(acc, &motion, response, x, y, &s)))
                 continue;
             size_t to = (size_t)y * (size_t)acc->image->width + (size_t)x;
             float *pixel = acc->image->samples + to * stride;
@@ -288,11 +227,11 @@ static double measured_scatter(const accumulator *acc)
     return 1;
 }
 
-/* Without so many of a float's 23 bits: they are noise, half of the file, and most of the time that
- * compressing it takes. Neither is ever known to that: a radiance stays within .012 %, which is a fortieth
- * of what photons leave of the best pixels, a variance within .1 %. */
-#define RADIANCE_BITS 11
-#define VARIANCE_BITS 14
+/* Without so many of a float's 23 bits: they are noise, more than half of the file, and most of the time
+ * that compressing it takes. A radiance keeps what a half float has, .05 %, a tenth of what photons leave
+ * of the best pixels; a variance, which is never known to that, 1 %. */
+#define RADIANCE_BITS 13
+#define VARIANCE_BITS 17
 static float rounded(float x, int dropped)
 {
     uint32_t bits;

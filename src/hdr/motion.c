@@ -90,18 +90,18 @@ typedef struct sums {
 } sums;
 
 /* One place: its residual, whitened, and what it says. False where it cannot be seen. */
-static bool add_place(const matcher *m, const motion *now, int x, int y, sums *s, double *residual)
+static bool add_place(const matcher *m, const motion *now, const igi_motion *way, int x, int y,
+                      sums *s, double *residual)
 {
-    double half = (m->block - 1) / 2., angle = now->q[2] / m->radius;
+    double half = (m->block - 1) / 2., at[2];
     double px = x + half - m->centre[0], py = y + half - m->centre[1];
-    double at_x = px * cos(angle) - py * sin(angle) + m->start.x + now->q[0];
-    double at_y = px * sin(angle) + py * cos(angle) + m->start.y + now->q[1];
+    igi_motion_place(way, x + half, y + half, at);
     int h = m->block > 2 ? m->block / 2 : 1;
     float a = block_at(m->a, m->value_a, m, x, y);
     float dx = block_at(m->a, m->value_a, m, x + h, y) - block_at(m->a, m->value_a, m, x - h, y);
     float dy = block_at(m->a, m->value_a, m, x, y + h) - block_at(m->a, m->value_a, m, x, y - h);
     if (isnan(dx) || isnan(dy) || isnan(a)) return false;
-    float b = interpolate(m, at_x + m->centre[0] - half, at_y + m->centre[1] - half);
+    float b = interpolate(m, at[0] - half, at[1] - half);
     if (isnan(b)) return false;
     double gx = (double)dx / (2 * h), gy = (double)dy / (2 * h);
     double j[UNKNOWNS] = {gx, gy, (gy * px - gx * py) / m->radius, (double)a};
@@ -123,11 +123,14 @@ static void look(const matcher *m, motion *now, sums *s)
 {
     double residual;
     int stride = (int)ceil(sqrt((double)m->a->width * m->a->height / m->places));
+    const igi_shift shift = {m->start.x, m->start.y, now->q[0], now->q[1], now->q[2] / m->radius};
+    const igi_motion way = igi_motion_of(m->b, &shift);
     *s = (sums){.edges = 0};
     now->count = 0;
     for (int y = stride / 2; y < m->a->height; y += stride)
         for (int x = stride / 2; x < m->a->width; x += stride)
-            if (add_place(m, now, x, y, s, &residual)) m->residuals[now->count++] = fabs(residual);
+            if (add_place(m, now, &way, x, y, s, &residual))
+                m->residuals[now->count++] = fabs(residual);
 }
 
 /* One round. `step`: how far the corners went, pixels; false where nothing is told. */

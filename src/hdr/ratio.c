@@ -29,15 +29,16 @@ static int by_ratio(const void *a, const void *b)
 
 /* Sums of exposures over one tile. Only the longer photograph, the surer one, decides which
  * pixels count: choosing by the shorter one's noise would bias the ratio. */
-static tile measure_tile(const igi_photo *a, const igi_photo *b, const igi_shift *shift,
-                         const igi_response *response, double expected, int x0, int y0)
+static tile measure_tile(const igi_photo *a, const igi_motion *motion, const igi_response *response,
+                         double expected, int x0, int y0)
 {
+    const igi_photo *b = motion->b;
     double sum_a = 0, sum_b = 0;
     double low = fmax(WELL_LOW, LEAST * exp(expected));
     size_t channels = (size_t)a->channels;
     for (int y = y0; y < y0 + TILE && y < a->height; y++)
         for (int x = x0; x < x0 + TILE && x < a->width; x++) {
-            size_t at = igi_hdr_shifted(b, x, y, shift);
+            size_t at = igi_motion_pixel(motion, x, y);
             if (at == SIZE_MAX) continue;
             size_t from = (size_t)y * (size_t)a->width + (size_t)x;
             for (size_t c = 0; c < channels; c++) {
@@ -61,10 +62,11 @@ igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo *a, const igi
     size_t count = 0;
     double total = 0, sum = 0;
     tile *tiles = NULL;
+    const igi_motion motion = igi_motion_of(b, shift);
     *log_ratio = (double)NAN;
     IGI_TRY(IGI_ALLOC(ctx, rows * columns, &tiles));
     for (size_t i = 0; i < rows * columns; i++) {
-        tile t = measure_tile(a, b, shift, response, expected, (int)(i % columns) * TILE,
+        tile t = measure_tile(a, &motion, response, expected, (int)(i % columns) * TILE,
                               (int)(i / columns) * TILE);
         if (!(t.weight > 0)) continue;
         total += t.weight;
@@ -81,71 +83,64 @@ igi_status igi_hdr_measure_ratio(igi_context *ctx, const igi_photo *a, const igi
 }
 
 /* The part of the variance of b's codes that is left among the pixels where a has one code (one
- * less the correlation ratio): small where the pictures lie on each other, whatever the response.
- * Codes at the ends say nothing; *share is the part of the samples that count. */
+ * less the correlation ratio): small where the pictures lie on each other, whatever the response. Of the
+ * green codes on a grid of some places; those at the ends say nothing. *share is the part of the
+ * places that count. */
 #define END 24
-static double disagreement(const uint32_t *counts, size_t channels, double *share)
+#define PLACES 2e5
+static double disagreement(const igi_photo *a, const igi_photo *b, const igi_shift *shift,
+                           double *share)
 {
+    double counts[IGI_HDR_BINS] = {0}, sums[IGI_HDR_BINS] = {0};
     double within = 0, total = 0, all = 0, sum = 0, squares = 0;
-    for (size_t row = 0; row < channels * IGI_HDR_BINS; row++) {
-        size_t a = row % IGI_HDR_BINS;
-        double n = 0, first = 0, second = 0;
-        for (size_t b = 0; b < IGI_HDR_BINS; b++) {
-            double k = counts[row * IGI_HDR_BINS + b];
-            all += k;
-            if (a < END || b < END || a >= IGI_HDR_BINS - END || b >= IGI_HDR_BINS - END) continue;
-            n += k;
-            first += k * (double)b;
-            second += k * (double)b * (double)b;
+    size_t channels = (size_t)a->channels, green = channels == 3;
+    const igi_motion motion = igi_motion_of(b, shift);
+    int drop = a->levels == IGI_HDR_BINS ? 0 : 8;
+    int step = (int)ceil(sqrt((double)a->width * a->height / PLACES));
+    for (int y = step / 2; y < a->height; y += step)
+        for (int x = step / 2; x < a->width; x += step) {
+            size_t at = igi_motion_pixel(&motion, x, y);
+            if (at == SIZE_MAX) continue;
+            size_t from = (size_t)y * (size_t)a->width + (size_t)x;
+            int code = a->codes[from * channels + green] >> drop;
+            int met = b->codes[at * channels + green] >> drop;
+            all++;
+            if (code < END || met < END || code >= IGI_HDR_BINS - END || met >= IGI_HDR_BINS - END)
+                continue;
+            counts[code]++;
+            sums[code] += met;
+            squares += (double)met * met;
         }
-        if (n < 2) continue;
-        within += second - first * first / n;
-        total += n;
-        sum += first;
-        squares += second;
+    for (int z = END; z < IGI_HDR_BINS - END; z++) {
+        if (counts[z] == 0) continue;
+        within -= sums[z] * sums[z] / counts[z];
+        total += counts[z];
+        sum += sums[z];
     }
     *share = all > 0 ? total / all : 0;
     double variance = total > 0 ? squares - sum * sum / total : 0;
-    return variance > 0 ? within / variance : HUGE_VAL;
-}
-
-static igi_status disagree_at(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                              const igi_shift *shift, igi_comparagram *scratch, double *value,
-                              double *share)
-{
-    IGI_TRY(igi_comparagram_fill(ctx, a, b, shift, 2e5, scratch));
-    *value = disagreement(scratch->counts, (size_t)a->channels, share);
-    return IGI_OK;
+    return variance > 0 ? (squares + within) / variance : HUGE_VAL;
 }
 
 /* Of all samples; fewer that are well exposed in both photographs cannot tell a shift. */
 #define LEAST_SHARE .05
 
-igi_status igi_hdr_align(igi_context *ctx, const igi_photo *a, const igi_photo *b, igi_shift *shift)
+void igi_hdr_align(const igi_photo *a, const igi_photo *b, igi_shift *shift)
 {
     /* Coarse to fine around the best so far. A shift must earn its place: a tenth less
      * disagreement than none at all. */
     static const int steps[] = {8, 4, 2, 1};
-    igi_status status = IGI_OK;
-    igi_comparagram scratch = {0};
     igi_shift best = {0};
-    double least, none, share;
+    double share, none = disagreement(a, b, &best, &share), least = none;
     *shift = best;
-    IGI_TRY_GOTO(disagree_at(ctx, a, b, &best, &scratch, &none, &share));
-    least = none;
     for (size_t i = 0; share > LEAST_SHARE && i < sizeof steps / sizeof steps[0]; i++) {
         igi_shift centre = best;
         for (int k = 0; k < 9; k++) {
             igi_shift tried = {.x = centre.x + (k % 3 - 1) * steps[i],
                                .y = centre.y + (k / 3 - 1) * steps[i]};
-            double value, ignored;
-            if (k == 4) continue;
-            IGI_TRY_GOTO(disagree_at(ctx, a, b, &tried, &scratch, &value, &ignored));
+            double ignored, value = k == 4 ? HUGE_VAL : disagreement(a, b, &tried, &ignored);
             if (value < least) least = value, best = tried;
         }
     }
     if (least < .9 * none) *shift = best;
-cleanup:
-    igi_free(scratch.counts);
-    return status;
 }

@@ -19,7 +19,7 @@
  */
 #include "base/context.h"
 #include "base/solve.h"
-#include "hdr/hdr_private.h"
+#include "hdr/comparagram.h"
 
 #include <math.h>
 #include <string.h>
@@ -57,73 +57,19 @@ void igi_response_destroy(igi_response *response)
     igi_free(response);
 }
 
-igi_status igi_comparagram_fill(igi_context *ctx, const igi_photo *a, const igi_photo *b,
-                                const igi_shift *shift, double most, igi_comparagram *out)
-{
-    size_t channels = (size_t)a->channels;
-    int drop = a->levels == BINS ? 0 : 8;
-    int step = (int)ceil(sqrt((double)a->width * a->height / most));
-    if (!out->counts) IGI_TRY(IGI_ALLOC(ctx, channels * BINS * BINS, &out->counts));
-    memset(out->counts, 0, channels * BINS * BINS * sizeof *out->counts);
-    for (int y = step / 2; y < a->height; y += step)
-        for (int x = step / 2; x < a->width; x += step) {
-            size_t at = igi_hdr_shifted(b, x, y, shift);
-            if (at == SIZE_MAX) continue;
-            const uint16_t *p = a->codes + ((size_t)y * (size_t)a->width + (size_t)x) * channels;
-            const uint16_t *q = b->codes + at * channels;
-            for (size_t c = 0; c < channels; c++)
-                out->counts[(c * BINS + (size_t)(p[c] >> drop)) * BINS + (size_t)(q[c] >> drop)]++;
-        }
-    return IGI_OK;
-}
-
-/* Debevec and Malik's hat: codes in the middle are the surest. */
-static double hat(size_t z)
-{
-    return (double)(z < BINS - 1 - z ? z : BINS - 1 - z) / (BINS / 2 - .5);
-}
-
-/* Codes whose partners lie at least this far away on average say something about the ratio. */
-#define CLEAR_STEP 4.0
-
-/* Marks the codes of a (valid_a) and of b (valid_b) that are neither at the floor nor at the top. */
-static void find_valid(const uint32_t *n, bool valid_a[BINS], bool valid_b[BINS])
-{
-    double sum_a[BINS] = {0}, sum_b[BINS] = {0}, partner_a[BINS] = {0}, partner_b[BINS] = {0};
-    for (size_t a = 0; a < BINS; a++)
-        for (size_t b = 0; b < BINS; b++) {
-            double count = n[a * BINS + b];
-            sum_a[a] += count;
-            sum_b[b] += count;
-            partner_a[a] += count * (double)b;
-            partner_b[b] += count * (double)a;
-        }
-    for (size_t z = 0; z < BINS; z++) {
-        valid_a[z] = sum_a[z] > 0 && partner_a[z] / sum_a[z] - (double)z >= CLEAR_STEP;
-        valid_b[z] = sum_b[z] > 0 && (double)z - partner_b[z] / sum_b[z] >= CLEAR_STEP;
-    }
-}
-
 /* The normal equations of one channel: A g = b. */
 typedef struct equations {
     double a[BINS * BINS], b[BINS], g[BINS];
     double used[BINS], total; /* weight on each code, and on all */
 } equations;
 
-/* What a pair of codes has to say. */
-static double cell_weight(const uint32_t *n, const bool *valid_a, const bool *valid_b, size_t a,
-                          size_t b)
-{
-    return valid_a[a] && valid_b[b] ? n[a * BINS + b] * hat(a) * hat(b) : 0;
-}
-
 static void add_pair(equations *e, const uint32_t *n, double log_ratio, double trust)
 {
     bool valid_a[BINS], valid_b[BINS];
-    find_valid(n, valid_a, valid_b);
+    igi_comparagram_find_valid(n, valid_a, valid_b);
     for (size_t a = 0; a < BINS; a++)
         for (size_t b = 0; b < BINS; b++) {
-            double w = trust * cell_weight(n, valid_a, valid_b, a, b);
+            double w = trust * igi_comparagram_weight(n, valid_a, valid_b, a, b);
             if (!(w > 0)) continue;
             e->a[a * BINS + a] += w;
             e->a[b * BINS + b] += w;
@@ -204,21 +150,6 @@ static void spread_curve(const double x[BINS], int channel, igi_response *respon
     response->high[channel] = (response->high[channel] + 1) * ((int)levels / BINS) - 1;
 }
 
-/* A pair that is stated to differ, and whose codes are all the same, differs by a factor 1. */
-static bool looks_equal(const igi_bracket *bracket, size_t pair)
-{
-    const uint32_t *n = bracket->pairs[pair].counts;
-    double count = 0, step = 0;
-    for (size_t i = 0; i < (size_t)bracket->channels * BINS; i++) {
-        size_t a = i % BINS;
-        for (size_t b = 0; a >= BINS / 4 && a < 3 * BINS / 4 && b < BINS; b++) {
-            count += n[i * BINS + b];
-            step += n[i * BINS + b] * ((double)b - (double)a);
-        }
-    }
-    return count > 1000 && fabs(step) < CLEAR_STEP * count;
-}
-
 /* The square of g's slope: the variance that one code of noise means for g. Steep near the floor,
  * where a pair's few bright pixels meet codes that say nothing. */
 static double squared_slope(const double g[BINS], size_t z)
@@ -238,11 +169,11 @@ static double median_step(const igi_bracket *bracket, size_t pair, const equatio
     for (int c = 0; c < bracket->channels; c++) {
         const uint32_t *n = bracket->pairs[pair].counts + (size_t)c * BINS * BINS;
         bool valid_a[BINS], valid_b[BINS];
-        find_valid(n, valid_a, valid_b);
+        igi_comparagram_find_valid(n, valid_a, valid_b);
         for (size_t z = 0; z < BINS; z++) slopes[z] = squared_slope(channels[c].g, z);
         for (size_t a = 0; a < BINS; a++)
             for (size_t b = 0; b < BINS; b++) {
-                double w = cell_weight(n, valid_a, valid_b, a, b);
+                double w = igi_comparagram_weight(n, valid_a, valid_b, a, b);
                 if (!(w > 0)) continue;
                 w *= 2e-4 / (slopes[a] + slopes[b]); /* about 1 in the middle */
                 double bin = (channels[c].g[b] - channels[c].g[a]) / STEP_WIDTH;
@@ -301,7 +232,7 @@ static igi_status solve_robustly(igi_context *ctx, igi_bracket *bracket, equatio
             double stated = bracket->log_h[p + 1] - bracket->log_h[p],
                    *seen = &bracket->log_ratio[p];
             if (weight[p] < LEAST_SHARE * total)
-                *seen = stated > .17 && looks_equal(bracket, p) ? 0 : (double)NAN;
+                *seen = stated > .17 && igi_comparagram_looks_equal(bracket, p) ? 0 : (double)NAN;
             double off = isnan(*seen) ? 0 : (*seen - stated) / TRUST_WIDTH;
             trust[p] = 1 / (1 + off * off);
         }

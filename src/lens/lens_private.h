@@ -7,6 +7,10 @@
 
 #include <igi/lens.h>
 
+/* The intrinsics in the order of igi_calibration.deviations. */
+extern const char *const igi_lens_keys[9];
+double *igi_lens_field(igi_camera *lens, int i);
+
 /* Makes *calibration when it is NULL, else checks that it is for photographs of this size. */
 IGI_MUST_USE igi_status igi_calibration_for(igi_context *ctx, const char *path,
                                             const igi_photo *photo, igi_calibration **calibration);
