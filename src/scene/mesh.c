@@ -9,6 +9,7 @@
 #include <string.h>
 
 #define MAX_MESH_BYTES ((size_t)2 << 30)
+#define FARTHEST 2000.0 /* from the origin, in sizes of the mesh */
 
 static igi_status check_indices(const igi_mesh_builder *b)
 {
@@ -134,6 +135,30 @@ cleanup:
     return status;
 }
 
+/* Coordinates are kept in 32 bits: far from the origin, as surveys have them, too coarse for a room. */
+static igi_status check_place(igi_mesh_builder *b, const igi_mesh *mesh)
+{
+    double far = 0, size = 0, low[3];
+    for (int k = 0; k < 3; k++) {
+        double high = -INFINITY;
+        low[k] = INFINITY;
+        for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+            double x = (double)mesh->positions[3 * (size_t)mesh->triangles[i] + (size_t)k];
+            low[k] = fmin(low[k], x);
+            high = fmax(high, x);
+        }
+        far = fmax(far, fmax(fabs(low[k]), fabs(high)));
+        size = fmax(size, high - low[k]);
+    }
+    if (far < FARTHEST * size) return IGI_OK;
+    return igi_mesh_builder_fail(
+        b, 0,
+        "the mesh is %.3g m large and lies %.3g m from the origin, too far "
+        "for 32-bit coordinates; take (%.0f, %.0f, %.0f) from the places of "
+        "mesh, cameras and lights",
+        size, far, low[0], low[1], low[2]);
+}
+
 static igi_status finish(igi_mesh_builder *b, igi_scene *scene)
 {
     IGI_TRY(check_indices(b));
@@ -151,6 +176,7 @@ static igi_status finish(igi_mesh_builder *b, igi_scene *scene)
         memcpy(mesh->triangles + 3 * i, b->faces[i].vertex, sizeof b->faces[i].vertex);
         if (mesh->uvs) take_uvs(b, scene, i);
     }
+    IGI_TRY(check_place(b, mesh));
     return mesh->uvs ? check_uvs(b, scene) : IGI_OK;
 }
 

@@ -12,10 +12,14 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <float.h>
 #include <stdio.h>
 
-/* Of the scene's size: ten times what a point on a triangle is off it in floats. */
+/* Of the scene's size. The latter is ten times what a point on a triangle is off it in floats where the
+ * scene lies about the origin; far from there floats are coarser, and both are so many grains. */
+#define EPSILON 2e-5f
 #define OFF_SURFACE 2e-6f
+#define GRAINS 4
 
 struct igi_tracer {
     const igi_mesh *mesh;
@@ -23,7 +27,9 @@ struct igi_tracer {
     RTCDevice device;
     RTCScene scene;
     igi_vec low, high;
-    float size, epsilon;
+    float size;
+    float epsilon,
+        off_surface; /* metres: what a ray does not see in front of it; what it starts above */
     char error[256];
 };
 
@@ -38,15 +44,18 @@ static void find_bounds(igi_tracer *tracer)
 {
     const igi_mesh *mesh = tracer->mesh;
     igi_vec low = igi_v(INFINITY, INFINITY, INFINITY), high = igi_scale(low, -1);
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        igi_vec p = igi_v_of(mesh->positions + 3 * i);
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) { /* not what no triangle uses */
+        igi_vec p = igi_v_of(mesh->positions + 3 * (size_t)mesh->triangles[i]);
         low = igi_v(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
         high = igi_v(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
     }
     tracer->low = low;
     tracer->high = high;
     tracer->size = igi_length(igi_sub(high, low));
-    tracer->epsilon = 2e-5f * tracer->size;
+    igi_vec far = igi_v(fmaxf(-low.x, high.x), fmaxf(-low.y, high.y), fmaxf(-low.z, high.z));
+    float grain = GRAINS * FLT_EPSILON * fmaxf(far.x, fmaxf(far.y, far.z));
+    tracer->epsilon = fmaxf(EPSILON * tracer->size, grain);
+    tracer->off_surface = fmaxf(OFF_SURFACE * tracer->size, grain);
 }
 
 /* Embree reads 16 bytes at the last vertex, so the positions are copied into a padded buffer. */
@@ -206,7 +215,7 @@ void igi_trace_bundle(const igi_tracer *tracer, igi_vec origin, const igi_vec *d
 
 igi_hit igi_trace_off(const igi_tracer *tracer, igi_vec point, igi_vec normal, igi_vec direction)
 {
-    return nearest(tracer, igi_madd(point, normal, OFF_SURFACE * tracer->size), direction, 0);
+    return nearest(tracer, igi_madd(point, normal, tracer->off_surface), direction, 0);
 }
 
 bool igi_occluded_toward(const igi_tracer *tracer, igi_vec from, igi_vec direction, float limit)
