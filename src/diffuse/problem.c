@@ -280,6 +280,7 @@ igi_status igi_diffuse_create(igi_context *ctx, const igi_problem *problem, igi_
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &d));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->albedo));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->albedo_std));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->pattern_std));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions, &d->determined));
     IGI_TRY_GOTO(
         IGI_ALLOC(ctx, 2 * problem->patches->count * (size_t)problem->bands, &d->radiance));
@@ -297,6 +298,7 @@ void igi_diffuse_destroy(igi_diffuse *diffuse)
     if (!diffuse) return;
     igi_free(diffuse->albedo);
     igi_free(diffuse->albedo_std);
+    igi_free(diffuse->pattern_std);
     igi_free(diffuse->determined);
     igi_free(diffuse->radiance);
     igi_rows_destroy(diffuse->rows);

@@ -77,8 +77,11 @@ typedef struct igi_correction {
 /* What a method finds. */
 typedef struct igi_diffuse {
     double (*albedo)[IGI_MAX_BANDS];     /* [regions] */
-    double (*albedo_std)[IGI_MAX_BANDS]; /* [regions] one standard deviation */
-    bool *determined;                    /* [regions] */
+    double (*albedo_std)[IGI_MAX_BANDS]; /* [regions] one standard deviation, */
+    /* [regions] and the part of it that is a pattern, should the region have one: it scatters beyond
+     * what places of other regions do. NULL: not told apart */
+    double (*pattern_std)[IGI_MAX_BANDS];
+    bool *determined; /* [regions] */
     float
         *radiance; /* [2 patches][bands] radiance that leaves each side: what was seen, and what the
                         method solved for; irradiance is gathered from it afterwards */

@@ -212,6 +212,36 @@ static double std_of(const scatter *s, double received, double usual)
     return sqrt(single * times) / received;
 }
 
+/* Relative variance of a place by itself. */
+static double place_variance(const scatter *s, double received, double albedo)
+{
+    double square = albedo * albedo * s->places_received;
+    return square > 0 ? alone(s, received) / square : 0;
+}
+
+/* The median over the places: patterns are on fewer than half of them. `pairs` is scratch. */
+static double usual_variance(const igi_region_sums *s, const scatter *scatters,
+                             double (*albedo)[IGI_MAX_BANDS], double (*pairs)[2])
+{
+    size_t bands = (size_t)s->problem->bands, n = 0;
+    for (size_t k = 0; k < s->problem->scene->region_count * bands; k++) {
+        double received = s->received[k / bands][k % bands];
+        pairs[n][0] = place_variance(&scatters[k], received, albedo[k / bands][k % bands]);
+        if (!(pairs[n][0] > 0)) continue;
+        pairs[n++][1] = received * received / scatters[k].places_received;
+    }
+    return n > 0 ? igi_weighted_median(pairs, n) : HUGE_VAL;
+}
+
+/* What scatters beyond the usual, of a standard deviation. */
+static double pattern_of(const scatter *s, double received, double albedo, double usual,
+                         double times, double std)
+{
+    if (!(received > 0) || place_variance(s, received, albedo) <= usual) return 0;
+    double even = albedo / received * sqrt(usual * s->places_received * times);
+    return sqrt(fmax(0, std * std - even * even));
+}
+
 igi_status igi_region_sums_std(igi_context *ctx, igi_region_sums *sums, const igi_places *places,
                                igi_diffuse *diffuse)
 {
@@ -227,13 +257,18 @@ igi_status igi_region_sums_std(igi_context *ctx, igi_region_sums *sums, const ig
     IGI_TRY_GOTO(IGI_ALLOC(ctx, regions * bands + 1, &pairs));
     add_residuals(sums, places, &cells, diffuse->albedo, of_cells, scatters);
     double usual = usual_likeness(sums, scatters, pairs);
+    double variance = usual_variance(sums, scatters, diffuse->albedo, pairs);
     for (size_t r = 0; r < regions; r++) {
         bool lamp = sums->problem->scene->regions[r].emitter;
         diffuse->determined[r] = is_determined(sums, r);
-        for (size_t b = 0; b < bands; b++)
-            diffuse->albedo_std[r][b] = lamp ? 0
-                                             : std_of(&scatters[r * bands + b],
-                                                      sums->received[r][b], usual);
+        for (size_t b = 0; b < bands; b++) {
+            const scatter *one = &scatters[r * bands + b];
+            double received = sums->received[r][b], *std = &diffuse->albedo_std[r][b];
+            *std = lamp ? 0 : std_of(one, received, usual);
+            if (!diffuse->pattern_std || lamp) continue;
+            diffuse->pattern_std[r][b] = pattern_of(one, received, diffuse->albedo[r][b], variance,
+                                                    usual, *std);
+        }
     }
 cleanup:
     igi_cells_clear(&cells);

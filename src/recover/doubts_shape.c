@@ -8,7 +8,8 @@
 
 #define EXACT_PX 0.2    /* where cameras and mesh are exact, edges lie so far off, for noise */
 #define FEWEST_EDGES 20 /* of a photograph; none: its camera was found to be right */
-#define LOOKED_AT 500   /* sides, for distances */
+#define FOUND 0.7 /* of a displacement: the rest passes for the camera's (igi chart stability) */
+#define LOOKED_AT 500 /* sides, for distances */
 
 /* Mean over the photographs of what their edges are off, pixels, beyond what is found anyway. */
 static double edges_off(const igi_observations *o)
@@ -54,7 +55,7 @@ static double change_of(const igi_light_shares *s, const igi_look *l, size_t lig
 /* All of a region moves at once. */
 void igi_doubt_shape(const igi_light_shares *s, double *off)
 {
-    double delta = edges_off(s->p->observations) * pixel_m(s);
+    double delta = edges_off(s->p->observations) * pixel_m(s) / FOUND;
     if (!(delta > 0)) return;
     for (size_t r = 0; r < s->regions; r++) {
         double change = 0, n = 0;

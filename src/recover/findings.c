@@ -167,6 +167,17 @@ cleanup:
     return status;
 }
 
+/* Sampling without replacement: a mean over a share f of a whole is off from that of the whole by
+ * (1 - f) of the variance that a mean over some of infinitely many has (Cochran 1977). */
+void igi_pattern_settle(const igi_diffuse *d, igi_materials *m)
+{
+    for (size_t r = 0; r < m->count; r++)
+        for (int b = 0; b < m->bands && m->materials[r].textured; b++) {
+            double *std = &m->materials[r].albedo_std[b], pattern = d->pattern_std[r][b];
+            *std = sqrt(fmax(0, *std * *std - m->materials[r].observed * pattern * pattern));
+        }
+}
+
 igi_status igi_metal_settle(igi_context *ctx, int bands, igi_material *m)
 {
     double most = 0;

@@ -15,6 +15,10 @@ IGI_MUST_USE igi_status igi_materials_of(igi_context *ctx, const igi_problem *pr
                                          const igi_diffuse *diffuse, const igi_specular *specular,
                                          igi_materials **materials);
 
+/* Of a textured region, `albedo` is a mean over its map: its standard deviation holds the pattern only as
+ * far as the region is not observed. */
+void igi_pattern_settle(const igi_diffuse *diffuse, igi_materials *materials);
+
 /* A metal's diffuse part must be asked for: where its standard deviation allows for none, there is none,
  * and a warning says so. Albedo and standard deviation are the final ones. */
 IGI_MUST_USE igi_status igi_metal_settle(igi_context *ctx, int bands, igi_material *material);

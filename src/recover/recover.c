@@ -91,6 +91,7 @@ static igi_status draw(igi_context *ctx, const igi_problem *problem, const igi_d
     IGI_TRY_GOTO(igi_layout_create(ctx, problem->scene, &layout));
     IGI_TRY_GOTO(
         igi_maps_create(ctx, problem, field, layout, recovery->materials, recovery->evidence));
+    igi_pattern_settle(diffuse, recovery->materials);
     for (size_t r = 0; r < recovery->materials->count; r++)
         IGI_TRY_GOTO(igi_metal_settle(ctx, problem->bands, &recovery->materials->materials[r]));
     IGI_TRY_GOTO(igi_doubts_add(ctx, problem, field, recovery->materials));

@@ -79,6 +79,35 @@ static void errors_in_sigmas(double shared, size_t region, double *usual, double
     room_free(r);
 }
 
+/* The sheet's texture is told from its noise, and no other region has any. */
+static void pattern(void)
+{
+    room *r = room_new(1);
+    for (int k = 0; k < 3; k++) room_region(r, "surface", .5);
+    igi_patches patches = {.size_m = .1f};
+    igi_problem problem = {.scene = &r->scene, .patches = &patches, .bands = 1};
+    double albedo[3][IGI_MAX_BANDS], std[3][IGI_MAX_BANDS], part[3][IGI_MAX_BANDS] = {{0}};
+    bool determined[3];
+    igi_diffuse diffuse = {
+        .albedo = albedo, .albedo_std = std, .pattern_std = part, .determined = determined};
+    draw *d = calloc(1, sizeof *d);
+    igi_region_sums *sums = NULL;
+    igi_rng rng = igi_rng_make(9, 1);
+    if (!d) abort();
+    fill(d, &rng, 0);
+    igi_places places = {PLACES, d->region, d->weight, d->radiance, d->irradiance, d->point[0]};
+    CHECK_OK(r->ctx, igi_region_sums_create(r->ctx, &problem, &sums));
+    (void)igi_region_sums_albedo(sums, &places, albedo);
+    CHECK_OK(r->ctx, igi_region_sums_std(r->ctx, sums, &places, &diffuse));
+    double even = sqrt(std[2][0] * std[2][0] - part[2][0] * part[2][0]);
+    CHECK_NEAR(even / albedo[2][0], .05 / sqrt(SHEET), .3 * .05 / sqrt(SHEET));
+    CHECK(std[2][0] > 10 * even);
+    CHECK(part[0][0] < .5 * std[0][0]);
+    igi_region_sums_destroy(sums);
+    free(d);
+    room_free(r);
+}
+
 /* 400 draws: the root mean square is known to 3.5 %, and the largest of a normal law lies near 3.0. */
 static void independent_noise(void)
 {
@@ -103,4 +132,5 @@ static void shared_noise(void)
     CHECK_NEAR(usual, 1, .15);
 }
 
-TEST_MAIN({"independent_noise", independent_noise}, {"shared_noise", shared_noise})
+TEST_MAIN({"pattern", pattern}, {"independent_noise", independent_noise},
+          {"shared_noise", shared_noise})
