@@ -9,6 +9,7 @@
 
 typedef struct igi_frame_fault {
     bool contradicts; /* it shows something else, or part of it does: to be left out */
+    bool plainly;     /* and so much of it that no lobe accounts for that */
     double scale;     /* what its radiance is to be multiplied by; 1 where the gain is no fault */
     bool off;         /* its edges clearly lie off the mesh's */
 } igi_frame_fault;
@@ -34,10 +35,18 @@ IGI_MUST_USE igi_status igi_observations_mend(igi_context *ctx, const igi_scene 
                                               const igi_faults *faults,
                                               igi_observations *observations);
 
-/* All together, and veils taken off: what recovery does. */
+/* All together, and veils taken off: what recovery does. Lamps mirrored in surfaces look like faults of
+ * photographs: where lobes are to be looked for, what they may account for waits, and *waits says so. */
 IGI_MUST_USE igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,
-                                                   igi_observations *observations);
-/* The same, for who wants to know what was found. */
+                                                   bool lobes_follow,
+                                                   igi_observations *observations, bool *waits);
+/* The rest, once lobes are known: explained[observations][bands] is the radiance less what they account
+ * for. *changed: a photograph was left out or scaled, or a veil taken off. */
+IGI_MUST_USE igi_status igi_observations_reconcile_rest(igi_context *ctx, const igi_scene *scene,
+                                                        float *explained,
+                                                        igi_observations *observations,
+                                                        bool *changed);
+/* Nothing waits; for who wants to know what was found. */
 IGI_MUST_USE igi_status igi_observations_judge(igi_context *ctx, const igi_scene *scene,
                                                igi_observations *observations,
                                                igi_agreement **agreement, igi_faults **faults);

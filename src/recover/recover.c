@@ -8,6 +8,7 @@
 #include "observe/saturation.h"
 #include "recover/choice.h"
 #include "recover/doubts.h"
+#include "recover/excuse.h"
 #include "recover/findings.h"
 #include "recover/poses.h"
 #include "specular/specular.h"
@@ -28,6 +29,8 @@
  * where surfaces shine, more photographs do not lower the error that is stated without lobes. */
 #define ATTEMPTS 2
 #define SHARPER 4
+/* Solved again without photographs that lobes do not account for so many times. */
+#define ROUNDS 2
 
 const char *igi_method_name(igi_method method)
 {
@@ -103,8 +106,64 @@ cleanup:
     return status;
 }
 
+/* What is solved for from the observations. */
+typedef struct solution {
+    igi_problem *problem;
+    igi_diffuse *diffuse;
+    igi_specular *specular; /* NULL: nobody looked for lobes */
+    igi_lobe_view lobes;
+} solution;
+
+static void clear_solution(solution *s)
+{
+    igi_specular_destroy(s->specular);
+    igi_diffuse_destroy(s->diffuse);
+    igi_problem_destroy(s->problem);
+    *s = (solution){.problem = NULL};
+}
+
+static bool looks_for_lobes(const igi_recover_options *o)
+{
+    return o->method == IGI_METHOD_PATCHES && o->model != IGI_LAMBERT;
+}
+
+/* *enough: the stated error of the diffuse solution is not above `limit`; else there are no lobes. */
+static igi_status solve(igi_context *ctx, const igi_recover_options *o, double limit, solution *s,
+                        bool *enough)
+{
+    igi_problem *problem = s->problem;
+    *enough = false;
+    IGI_TRY(igi_diffuse_create(ctx, problem, &s->diffuse));
+    if (o->method == IGI_METHOD_YU99)
+        IGI_TRY(igi_yu99_create(ctx, problem, s->diffuse, &s->specular));
+    else IGI_TRY(method_function(o->method)(ctx, problem, s->diffuse));
+    if (igi_stated_error(problem, s->diffuse) > limit) return IGI_OK;
+    *enough = true;
+    if (looks_for_lobes(o)) IGI_TRY(igi_specular_create(ctx, problem, s->diffuse, &s->specular));
+    if (!s->specular) return IGI_OK;
+    s->lobes = igi_specular_view(s->specular, s->diffuse);
+    problem->lobes = &s->lobes;
+    return IGI_OK;
+}
+
+static igi_status make_recovery(igi_context *ctx, const solution *s, igi_poses *poses,
+                                igi_recovery *r)
+{
+    size_t regions = s->problem->scene->region_count;
+    IGI_TRY(igi_materials_of(ctx, s->problem, s->diffuse, s->specular, &r->materials));
+    IGI_TRY(IGI_ALLOC(ctx, regions, &r->evidence));
+    if (s->specular && s->specular->evidence)
+        memcpy(r->evidence, s->specular->evidence, regions * sizeof *r->evidence);
+    count_gathered(s->problem, s->diffuse->rows, r->evidence);
+    IGI_TRY(draw(ctx, s->problem, s->diffuse, s->specular ? s->specular->irradiance : NULL, r));
+    if (poses) r->registered = poses->registered;
+    if (poses) poses->registered = NULL;
+    return IGI_OK;
+}
+
 /* One recovery, from observing on. *recovery stays NULL where the stated error of the diffuse
- * solution is above `limit`. */
+ * solution is above `limit`. Photographs that lobes do not account for are left out, or scaled, and all
+ * is solved again. */
 static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
                                const igi_recover_options *o, double limit, igi_recovery **recovery)
 {
@@ -112,46 +171,33 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     igi_observations *observations = NULL;
     igi_poses *poses = NULL;
     igi_patches *patches = NULL;
-    igi_problem *problem = NULL;
-    igi_diffuse *diffuse = NULL;
-    igi_specular *specular = NULL;
+    solution s = {.problem = NULL};
     igi_recovery *r = NULL;
+    bool again, enough = false;
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     IGI_TRY_GOTO(igi_poses_mend(ctx, scene, tracer, o->registering, &observations, &poses));
     if (poses) scene = &poses->scene;
     igi_stage_begin(ctx, "agreement");
-    IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, observations));
+    IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, looks_for_lobes(o), observations, &again));
     IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
     igi_stage_begin(ctx, "patches");
     IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, (float)o->patch_m, &patches));
-    IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, o, &problem));
-    IGI_TRY_GOTO(igi_diffuse_create(ctx, problem, &diffuse));
-    if (o->method == IGI_METHOD_YU99)
-        IGI_TRY_GOTO(igi_yu99_create(ctx, problem, diffuse, &specular));
-    else IGI_TRY_GOTO(method_function(o->method)(ctx, problem, diffuse));
-    if (igi_stated_error(problem, diffuse) > limit) goto cleanup;
-    if (o->method == IGI_METHOD_PATCHES && o->model != IGI_LAMBERT)
-        IGI_TRY_GOTO(igi_specular_create(ctx, problem, diffuse, &specular));
-    igi_lobe_view view;
-    if (specular) view = igi_specular_view(specular, diffuse);
-    if (specular) problem->lobes = &view;
+    for (int round = 0; round == 0 || again; round++) {
+        clear_solution(&s);
+        IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, o, &s.problem));
+        IGI_TRY_GOTO(solve(ctx, o, limit, &s, &enough));
+        if (!enough) goto cleanup;
+        if (!again || round == ROUNDS) break;
+        IGI_TRY_GOTO(igi_excuse_photographs(ctx, s.problem, s.diffuse, observations, &again));
+    }
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
-    IGI_TRY_GOTO(igi_materials_of(ctx, problem, diffuse, specular, &r->materials));
-    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->region_count, &r->evidence));
-    if (specular && specular->evidence)
-        memcpy(r->evidence, specular->evidence, scene->region_count * sizeof *r->evidence);
-    count_gathered(problem, diffuse->rows, r->evidence);
-    IGI_TRY_GOTO(draw(ctx, problem, diffuse, specular ? specular->irradiance : NULL, r));
-    if (poses) r->registered = poses->registered;
-    if (poses) poses->registered = NULL;
+    IGI_TRY_GOTO(make_recovery(ctx, &s, poses, r));
     *recovery = r;
     r = NULL;
 cleanup:
     igi_recovery_destroy(r);
-    igi_specular_destroy(specular);
-    igi_diffuse_destroy(diffuse);
-    igi_problem_destroy(problem);
+    clear_solution(&s);
     igi_patches_destroy(patches);
     igi_observations_destroy(observations);
     igi_poses_destroy(poses);

@@ -68,7 +68,8 @@ static igi_observations *observe(void)
 /* Reconciles, and checks that exactly one warning was given, which contains both words. */
 static void expect_one(igi_observations *o, const char *name, const char *word)
 {
-    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, o));
+    bool waits;
+    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, false, o, &waits));
     for (size_t i = 0; i < o->warning_count; i++) printf("    %s\n", o->warnings[i]);
     CHECK(o->warning_count == 1);
     if (o->warning_count == 0) return;
@@ -87,7 +88,8 @@ static void nothing_is_wrong(void)
     size_t count = o->count;
     double sum = 0, again = 0;
     for (size_t i = 0; i < 3 * count; i++) sum += (double)o->radiance[i];
-    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, o));
+    bool waits;
+    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, false, o, &waits));
     for (size_t i = 0; i < 3 * o->count; i++) again += (double)o->radiance[i];
     for (size_t i = 0; i < o->warning_count; i++) printf("    %s\n", o->warnings[i]);
     CHECK(o->warning_count == 0 && o->count == count && sum == again);
@@ -179,7 +181,8 @@ static void a_mirrored_sun(void)
     CHECK(2 * most > pixels_of(o, frame));
     for (size_t i = o->frame_begin[frame]; i < o->frame_begin[frame + 1]; i++)
         for (size_t b = 0; b < 3 && shows(o, i, "wall"); b++) o->radiance[3 * i + b] *= 5;
-    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, o));
+    bool waits;
+    CHECK_OK(ctx, igi_observations_reconcile(ctx, scene, false, o, &waits));
     for (size_t i = 0; i < o->warning_count; i++) {
         printf("    %s\n", o->warnings[i]);
         CHECK(!strstr(o->warnings[i], scene->frames[frame].name));
@@ -238,7 +241,8 @@ static void a_camera(void)
     for (size_t f = 0; f < 12; f++) {
         if (f != 4 && r[f].offset_error < .1) CHECK(hypot(r[f].offset[0], r[f].offset[1]) < .2);
     }
-    CHECK_NEAR(hypot(r[4].offset[0], r[4].offset[1]), 2.5, .25);
+    /* 2.5 pixels in the picture's middle are 3.3 at its sides. */
+    CHECK_NEAR(hypot(r[4].offset[0], r[4].offset[1]), 2.75, .25);
     expect_one(o, "0004", "pixels off the mesh's");
     CHECK(pixels_of(o, 4) > 0);
     igi_observations_destroy(o);
