@@ -61,8 +61,9 @@ typedef struct igi_registered {
     /* How the photographs then agree about places that several show: the standard deviation
      * of ln gain over the frames, and the typical share of places at which one contradicts. */
     double gain_spread, contradicts;
-    igi_similarity together; /* identity when not asked for */
-    bool mesh_is_off;        /* edges of different things contradict each other: cameras stayed */
+    igi_similarity together; /* of all cameras, as asked for or as `world` says; or identity */
+    bool world; /* all cameras were off alike against the mesh, by a turn, a move or a scale */
+    bool mesh_is_off; /* edges of different things contradict each other: cameras stayed */
     bool lens; /* all pictures shared a shift or were all too large, and cameras were mended: */
     struct {
         double shift_px[2], magnification; /* added to the principal point; of the focal length */

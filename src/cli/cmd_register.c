@@ -73,6 +73,8 @@ static void print_table(const cli_session *s, const igi_scene *scene, const igi_
     }
     if (r->mesh_is_off)
         puts("edges of different things ask for different cameras: the mesh is off; mend it");
+    if (r->world)
+        printf("all cameras were off alike: moved together, scale %.5f\n", r->together.scale);
     if (r->lens)
         printf(
             "all photographs share a shift of %+.2f columns and %+.2f rows and a magnification of "

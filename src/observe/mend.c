@@ -66,7 +66,8 @@ static igi_status warn_of_offset(igi_context *ctx, const igi_scene *scene, size_
     IGI_TRY(igi_strprintf(ctx, &sentence,
                           "image %s: its edges lie %.1f pixels off the mesh's (%+.1f columns, "
                           "%+.1f rows); register its camera again",
-                          scene->frames[frame].name, hypot(r->offset[0], r->offset[1]), r->offset[0], r->offset[1]));
+                          scene->frames[frame].name, hypot(r->offset[0], r->offset[1]),
+                          r->offset[0], r->offset[1]));
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 

@@ -129,3 +129,14 @@ igi_status igi_observations_unclip(igi_context *ctx, const igi_scene *scene, igi
         left_out, lamp ? ", at the lamp '" : "", lamp ? lamp->name : "", lamp ? "' too" : ""));
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
+
+bool igi_observations_retract_clipped(igi_observations *o, size_t warning)
+{
+    for (size_t f = 0; f < o->frame_count; f++)
+        if (o->saturated[f] > 0 && o->frame_begin[f + 1] > o->frame_begin[f]) return false;
+    igi_free(o->warnings[warning]);
+    o->warning_count--;
+    memmove(o->warnings + warning, o->warnings + warning + 1,
+            (o->warning_count - warning) * sizeof *o->warnings);
+    return true;
+}

@@ -2,6 +2,7 @@
 #include "recover/poses.h"
 
 #include "observe/alignment.h"
+#include "register/register.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,33 +14,34 @@
 /* Edges lie up to .25 pixels off where cameras and mesh are exact; a mesh that is off by no more is not
  * worth a word. */
 #define WORTH_A_WORD_PX .3
+/* As scales are found where the mesh is exact. */
+#define WORTH_A_SCALE .002
 
 typedef enum need { NOBODY, SOME, ALL } need;
 
+/* which[frames]: of SOME. */
 static igi_status find_need(igi_context *ctx, const igi_observations *o, igi_registering when,
-                            need *who)
+                            need *who, bool *which)
 {
     igi_alignment a;
     *who = when == IGI_REGISTER_ALWAYS ? ALL : NOBODY;
     if (when != IGI_REGISTER_AUTO) return IGI_OK;
     IGI_TRY(igi_alignment_judge(ctx, o->registrations, o->frame_count, &a));
-    for (size_t i = 0; i < o->frame_count; i++)
-        if (igi_registration_is_off(&o->registrations[i])) *who = SOME;
+    for (size_t i = 0; i < o->frame_count; i++) {
+        which[i] = igi_registration_is_off(&o->registrations[i]);
+        if (which[i]) *who = SOME;
+    }
     if (a.all_off) *who = ALL;
     return IGI_OK;
 }
 
-/* Where only some seem to be off, the others stay, and nothing is said of the mesh. */
-static void keep_right_ones(const igi_scene *given, const igi_observations *o, igi_poses *p)
+/* One among right ones must convince. */
+static void keep_unconvincing(const igi_scene *given, igi_poses *p)
 {
     igi_registered *r = p->registered;
-    if (r->lens) return;
-    r->mesh_is_off = false;
     for (size_t i = 0; i < r->frame_count; i++) {
         igi_registered_frame *f = &r->frames[i];
-        if (!f->moved || (igi_registration_is_off(&o->registrations[i]) &&
-                          f->after_px < ALONE_LEAVES * f->before_px))
-            continue;
+        if (!f->moved || f->after_px < ALONE_LEAVES * f->before_px) continue;
         p->scene.frames[i].camera = given->frames[i].camera;
         f->moved = false;
         f->after_px = f->before_px;
@@ -48,10 +50,10 @@ static void keep_right_ones(const igi_scene *given, const igi_observations *o, i
 }
 
 /* What registering found no better camera for is no camera that is off; its edges are. */
-static void clear_refuted(const igi_registered *r, igi_observations *o)
+static void clear_refuted(const igi_registered *r, const bool *which, igi_observations *o)
 {
     for (size_t i = 0; i < r->frame_count; i++)
-        if (!r->frames[i].moved)
+        if (!r->frames[i].moved && (!which || which[i]))
             o->registrations[i] = (igi_registration){.residual = o->registrations[i].residual};
 }
 
@@ -87,6 +89,26 @@ static igi_status say_lens(igi_context *ctx, const igi_registered *r, const igi_
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
+/* A scale is told from the mesh's size, a turn and a move by what they do in its middle. */
+static igi_status say_world(igi_context *ctx, const igi_registered *r, igi_observations *o)
+{
+    char *sentence;
+    double larger = r->together.scale - 1;
+    if (fabs(larger) < WORTH_A_SCALE)
+        IGI_TRY(
+            igi_strprintf(ctx, &sentence,
+                          "all cameras are off alike against the mesh: they were moved together, "
+                          "by a turn and a move; the frames of reference of cameras and mesh "
+                          "differ: igi register --points"));
+    else
+        IGI_TRY(igi_strprintf(ctx, &sentence,
+                              "the mesh is %.2f %% %s than the room as the cameras have it: their "
+                              "places were scaled to the mesh; lengths, and lights given by their "
+                              "places, are right only if the mesh is",
+                              100 * fabs(larger), larger > 0 ? "larger" : "smaller"));
+    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
+}
+
 static igi_status say_mesh(igi_context *ctx, const igi_registered *r, igi_observations *o)
 {
     char *sentence;
@@ -103,6 +125,7 @@ static igi_status say(igi_context *ctx, const igi_registered *r, const igi_scene
 {
     char *sentence;
     if (r->lens) IGI_TRY(say_lens(ctx, r, scene, o));
+    if (r->world) IGI_TRY(say_world(ctx, r, o));
     IGI_TRY(
         igi_strprintf(ctx, &sentence,
                       "cameras were off: the photographs' edges lay %.2f pixels off the mesh's; "
@@ -113,7 +136,8 @@ static igi_status say(igi_context *ctx, const igi_registered *r, const igi_scene
 }
 
 /* *poses: NULL where too few edges tell. */
-static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **poses)
+static igi_status find(igi_context *ctx, const igi_scene *scene, const igi_register_start *start,
+                       igi_poses **poses)
 {
     igi_status status = IGI_OK;
     igi_register_options options;
@@ -125,7 +149,7 @@ static igi_status find(igi_context *ctx, const igi_scene *scene, igi_poses **pos
     p->scene.frames = NULL;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &p->scene.frames));
     memcpy(p->scene.frames, scene->frames, scene->frame_count * sizeof *scene->frames);
-    status = igi_register(ctx, &p->scene, &options, &p->registered);
+    status = igi_register_from(ctx, &p->scene, start, &options, &p->registered);
     if (status == IGI_E_NO_ANSWER) { /* they stay as given */
         status = IGI_OK;
         goto cleanup;
@@ -144,13 +168,18 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
     igi_status status = IGI_OK;
     igi_observations *again = NULL;
     igi_poses *p = NULL;
+    bool *which = NULL;
     need who;
     *poses = NULL;
-    IGI_TRY(find_need(ctx, *observations, when, &who));
-    if (who == NOBODY) return IGI_OK;
-    IGI_TRY_GOTO(find(ctx, scene, &p));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &which));
+    IGI_TRY_GOTO(find_need(ctx, *observations, when, &who, which));
+    if (who == NOBODY) goto cleanup;
+    igi_register_start start = {.tracer = tracer,
+                                .registrations = (*observations)->registrations,
+                                .which = who == SOME ? which : NULL};
+    IGI_TRY_GOTO(find(ctx, scene, &start, &p));
     if (!p) goto cleanup;
-    if (who == SOME) keep_right_ones(scene, *observations, p);
+    if (who == SOME) keep_unconvincing(scene, p);
     if (count_moved(p->registered) > 0) {
         igi_stage_begin(ctx, "observe");
         IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
@@ -159,13 +188,14 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
         *observations = again;
         again = NULL;
     }
-    if ((*observations)->registrations) clear_refuted(p->registered, *observations);
+    if ((*observations)->registrations) clear_refuted(p->registered, start.which, *observations);
     if (p->registered->mesh_is_off && p->registered->before_px > WORTH_A_WORD_PX)
         IGI_TRY_GOTO(say_mesh(ctx, p->registered, *observations));
     if (count_moved(p->registered) == 0) goto cleanup;
     *poses = p;
     p = NULL;
 cleanup:
+    igi_free(which);
     igi_observations_destroy(again);
     igi_poses_destroy(p);
     return status;

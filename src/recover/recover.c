@@ -180,7 +180,9 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     if (poses) scene = &poses->scene;
     igi_stage_begin(ctx, "agreement");
     IGI_TRY_GOTO(igi_observations_reconcile(ctx, scene, looks_for_lobes(o), observations, &again));
+    size_t said = observations->warning_count;
     IGI_TRY_GOTO(igi_observations_unclip(ctx, scene, observations));
+    bool clipped = observations->warning_count > said;
     igi_stage_begin(ctx, "patches");
     IGI_TRY_GOTO(igi_patches_create(ctx, &scene->mesh, (float)o->patch_m, &patches));
     for (int round = 0; round == 0 || again; round++) {
@@ -190,6 +192,7 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
         if (!enough) goto cleanup;
         if (!again || round == ROUNDS) break;
         IGI_TRY_GOTO(igi_excuse_photographs(ctx, s.problem, s.diffuse, observations, &again));
+        if (again && clipped) clipped = !igi_observations_retract_clipped(observations, said);
     }
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &r));
     IGI_TRY_GOTO(make_recovery(ctx, &s, poses, r));

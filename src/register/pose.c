@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Cameras moved until the edges come together: for each site the distance, across the edge, of
- * where the photograph shows it from where the camera projects it. Six numbers a camera, or seven
- * for all cameras at once (a similarity), by robust least squares; what is far off after a first
- * fit (a shadow taken for an edge) has no say in the second.
+ * where the photograph shows it from where the camera projects it. Six numbers a camera, or for all
+ * cameras at once seven (a similarity) or three (their lens), by robust least squares; what is far off
+ * after a first fit (a shadow taken for an edge) has no say in the second.
  */
 #include "base/context.h"
 #include "base/order.h"
@@ -17,8 +17,6 @@
 
 /* What one similarity of all cameras is expected to move the picture by, pixels. */
 #define TOGETHER_PX 2.0
-/* Fewer sites leave a camera where it was. */
-#define FEWEST_SITES 12
 /* In standard deviations: where the loss turns linear, and what is left out. */
 #define LOSS 2.0
 #define OUTLIER 3.5
@@ -28,104 +26,27 @@ typedef struct problem {
     const igi_edge_sites *sites; /* [frame_count] */
     size_t *begin;               /* [frame_count + 1] blocks */
     size_t frame_count;
-    bool *dropped;      /* [blocks] */
-    pose_units units;   /* of one camera */
+    bool *dropped; /* [blocks] */
+    shared_units units;
     double expected_px; /* of each number that tells where a camera is, before edges tell */
     double as_one;      /* so many sites are one */
-    bool together;      /* one similarity about `pivot`, in units of the first camera's */
-    igi_vec pivot;
+    pose_kind kind;
 } problem;
 
-static void multiply(double a[3][3], double b[3][3], double out[3][3])
+static size_t numbers_of(pose_kind kind)
 {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            out[i][j] = 0;
-            for (int k = 0; k < 3; k++) out[i][j] += a[i][k] * b[k][j];
-        }
-}
-
-/* Of a rotation vector (Rodrigues). */
-static void rotation_of(const double w[3], double r[3][3])
-{
-    double angle = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-    double s = angle > 1e-12 ? sin(angle) / angle : 1;
-    double c = angle > 1e-12 ? (1 - cos(angle)) / (angle * angle) : .5;
-    double k[3][3] = {{0, -w[2], w[1]}, {w[2], 0, -w[0]}, {-w[1], w[0], 0}};
-    double k2[3][3];
-    multiply(k, k, k2);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) r[i][j] = (i == j) + s * k[i][j] + c * k2[i][j];
-}
-
-void pose_change(const igi_camera *camera, const pose_units *units, const double change[6],
-                 igi_camera *changed)
-{
-    double turn[3], r[3][3], old[3][3], now[3][3];
-    *changed = *camera;
-    for (int i = 0; i < 3; i++) {
-        turn[i] = change[i] * units->turn_rad;
-        memcpy(old[i], camera->camera_to_world[i], sizeof old[i]);
-    }
-    rotation_of(turn, r);
-    multiply(old, r, now);
-    for (int i = 0; i < 3; i++) {
-        memcpy(changed->camera_to_world[i], now[i], sizeof now[i]);
-        for (int k = 0; k < 3; k++)
-            changed->camera_to_world[i][3] += old[i][k] * change[3 + k] * units->move_m;
-    }
-}
-
-/* The similarity of seven changes: turn, move, and the logarithm of the scale, about the pivot. */
-static void similarity_of(const problem *p, const double change[7], igi_similarity *s)
-{
-    const double pivot[3] = {(double)p->pivot.x, (double)p->pivot.y, (double)p->pivot.z};
-    double turn[3];
-    for (int i = 0; i < 3; i++) turn[i] = change[i] * p->units.turn_rad;
-    rotation_of(turn, s->rotation);
-    s->scale = exp(change[6] * p->units.turn_rad);
-    for (int i = 0; i < 3; i++) {
-        s->offset[i] = pivot[i] + change[3 + i] * p->units.move_m;
-        for (int k = 0; k < 3; k++) s->offset[i] -= s->scale * s->rotation[i][k] * pivot[k];
-    }
-}
-
-static void move_camera(igi_camera *camera, const igi_similarity *s)
-{
-    double old[3][4];
-    memcpy(old, camera->camera_to_world, sizeof old);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 4; j++) {
-            double sum = 0;
-            for (int k = 0; k < 3; k++) sum += s->rotation[i][k] * old[k][j];
-            camera->camera_to_world[i][j] = j < 3 ? sum : s->scale * sum + s->offset[i];
-        }
-    }
-}
-
-void igi_scene_move_cameras(igi_scene *scene, const igi_similarity *similarity)
-{
-    for (size_t i = 0; i < scene->frame_count; i++)
-        move_camera(&scene->frames[i].camera, similarity);
+    return kind == POSE_OF_ONE ? 6 : kind == POSE_OF_ALL ? 7 : 3;
 }
 
 static void changed_camera(const problem *p, size_t frame, const double *change, igi_camera *camera)
 {
     igi_similarity s;
-    if (!p->together) {
-        pose_change(&p->cameras[frame], &p->units, change, camera);
-        return;
-    }
-    similarity_of(p, change, &s);
     *camera = p->cameras[frame];
-    move_camera(camera, &s);
-}
-
-double pose_distance(const igi_edge_site *site, const igi_camera *camera)
-{
-    double x, y;
-    if (!igi_camera_project(camera, site->point, &x, &y)) return (double)NAN;
-    return site->normal[0] * (site->seen[0] - x) + site->normal[1] * (site->seen[1] - y);
+    if (p->kind == POSE_OF_ONE) pose_change(&p->cameras[frame], &p->units.pose, change, camera);
+    if (p->kind == POSE_OF_LENS) lens_change(change, camera);
+    if (p->kind != POSE_OF_ALL) return;
+    similarity_of(&p->units, change, &s);
+    similarity_move(&s, camera);
 }
 
 static double weight_of(const igi_edge_site *site)
@@ -137,7 +58,7 @@ static double weight_of(const igi_edge_site *site)
 static bool residuals(void *user, size_t block, const double *x, double *r, double *jacobian)
 {
     const problem *p = user;
-    size_t count = p->together ? 7 : 6, sites = p->begin[p->frame_count], frame = 0;
+    size_t count = numbers_of(p->kind), sites = p->begin[p->frame_count], frame = 0;
     if (block >= sites) {
         size_t k = block - sites;
         double weight = sqrt(p->as_one) / p->expected_px;
@@ -204,7 +125,7 @@ static igi_status solve(igi_context *ctx, problem *p, double *change, double *co
 {
     double spread;
     igi_least_squares_result result;
-    size_t parameters = p->together ? 7 : 6;
+    size_t parameters = numbers_of(p->kind);
     igi_least_squares fit = {.parameter_count = parameters,
                              .block_count = p->begin[p->frame_count] + parameters,
                              .residuals = residuals,
@@ -234,11 +155,11 @@ static igi_status prepare(igi_context *ctx, problem *p)
             sum = igi_add(sum, p->sites[f].sites[i].point);
         }
     }
-    if (count < FEWEST_SITES)
+    if (count < POSE_FEWEST_SITES)
         return igi_fail(ctx, IGI_E_NO_ANSWER, "%zu edges are too few to place a camera by", count);
-    p->units.turn_rad = 1 / p->cameras[0].fl_x;
-    p->units.move_m = depth / (double)count / p->cameras[0].fl_x;
-    p->pivot = igi_scale(sum, 1 / (float)count);
+    p->units.pose.turn_rad = 1 / p->cameras[0].fl_x;
+    p->units.pose.move_m = depth / (double)count / p->cameras[0].fl_x;
+    p->units.pivot = igi_scale(sum, 1 / (float)count);
     p->as_one = fmax(1, IGI_SITES_AS_ONE * p->cameras[0].height);
     return IGI_ALLOC(ctx, count, &p->dropped);
 }
@@ -276,7 +197,7 @@ igi_status pose_refine(igi_context *ctx, const igi_edge_sites *sites, double exp
     IGI_TRY_GOTO(prepare(ctx, &p));
     IGI_TRY_GOTO(solve(ctx, &p, change, covariance));
     *sigma_px = image_sigma(&p, change, covariance);
-    pose_change(camera, &p.units, change, &changed);
+    pose_change(camera, &p.units.pose, change, &changed);
     *camera = changed;
 cleanup:
     clear(&p);
@@ -295,17 +216,20 @@ igi_status pose_residual(igi_context *ctx, const igi_edge_sites *sites, const ig
     return status;
 }
 
-/* Of squared distances, those of outliers cut. */
-static double misfit(const problem *p, const igi_camera *camera, double unit)
+/* Of squared distances after a change, those of outliers cut. */
+static double misfit(const problem *p, const double *change, double unit)
 {
     double sum = 0;
-    for (size_t i = 0; i < p->sites->count; i++) {
-        double d = fabs(pose_distance(&p->sites->sites[i], camera)) *
-                   weight_of(&p->sites->sites[i]);
-        sum += isfinite(d) ? fmin(d * d, OUTLIER * OUTLIER * unit * unit)
-                           : OUTLIER * OUTLIER * unit * unit;
+    for (size_t f = 0; f < p->frame_count; f++) {
+        igi_camera camera;
+        changed_camera(p, f, change, &camera);
+        for (size_t i = 0; i < p->sites[f].count; i++) {
+            const igi_edge_site *site = &p->sites[f].sites[i];
+            double d = fabs(pose_distance(site, &camera)) * weight_of(site) / unit;
+            sum += isfinite(d) ? fmin(d * d, OUTLIER * OUTLIER) : OUTLIER * OUTLIER;
+        }
     }
-    return sum / (unit * unit * p->as_one);
+    return sum / p->as_one;
 }
 
 igi_status pose_gain(igi_context *ctx, const igi_edge_sites *sites, const igi_camera *before,
@@ -316,40 +240,58 @@ igi_status pose_gain(igi_context *ctx, const igi_edge_sites *sites, const igi_ca
     *gain = 0;
     igi_status status = prepare(ctx, &p);
     if (status == IGI_OK) status = spread_of(ctx, &p, none, true, spread);
-    if (status == IGI_OK)
-        *gain = misfit(&p, before, fmax(1, *spread)) - misfit(&p, after, fmax(1, *spread));
+    if (status == IGI_OK) {
+        double unit = fmax(1, *spread), there = misfit(&p, none, unit);
+        p.cameras = before;
+        *gain = misfit(&p, none, unit) - there;
+    }
     clear(&p);
     return status;
 }
 
-bool pose_units_of(const igi_edge_sites *sites, const igi_camera *camera, pose_units *units)
+/* Bayes' information criterion: what is left, and what the numbers cost. */
+static double criterion_of(const problem *p, const double *change)
 {
-    double depth = 0;
-    igi_vec centre = igi_camera_centre(camera);
-    for (size_t i = 0; i < sites->count; i++)
-        depth += (double)igi_length(igi_sub(sites->sites[i].point, centre));
-    units->turn_rad = 1 / camera->fl_x;
-    units->move_m = depth / (double)sites->count / camera->fl_x;
-    return sites->count >= FEWEST_SITES;
+    double count = (double)p->begin[p->frame_count] / p->as_one;
+    return misfit(p, change, 1) + (double)numbers_of(p->kind) * log(fmax(count, 1));
 }
 
-igi_status pose_refine_together(igi_context *ctx, const igi_edge_sites *sites, igi_scene *scene,
-                                igi_similarity *similarity)
+igi_status pose_criterion_each(igi_context *ctx, const igi_edge_sites *sites,
+                               const igi_scene *scene, double *criterion)
+{
+    *criterion = 0;
+    for (size_t f = 0; f < scene->frame_count; f++) {
+        double change[7] = {0};
+        problem p = {.cameras = &scene->frames[f].camera,
+                     .sites = &sites[f],
+                     .frame_count = 1,
+                     .expected_px = TOGETHER_PX};
+        igi_status status = prepare(ctx, &p);
+        if (status == IGI_OK) status = solve(ctx, &p, change, NULL);
+        if (status == IGI_OK) *criterion += criterion_of(&p, change);
+        clear(&p);
+        if (status != IGI_OK && status != IGI_E_NO_ANSWER) return status;
+    }
+    return IGI_OK;
+}
+
+igi_status pose_refine_shared(igi_context *ctx, const igi_edge_sites *sites, const igi_scene *scene,
+                              pose_kind kind, pose_shared *shared)
 {
     igi_status status = IGI_OK;
     igi_camera *cameras = NULL;
-    double change[7] = {0};
     problem p = {.sites = sites,
                  .frame_count = scene->frame_count,
                  .expected_px = TOGETHER_PX,
-                 .together = true};
+                 .kind = kind};
+    *shared = (pose_shared){.kind = kind};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &cameras));
     for (size_t i = 0; i < scene->frame_count; i++) cameras[i] = scene->frames[i].camera;
     p.cameras = cameras;
     IGI_TRY_GOTO(prepare(ctx, &p));
-    IGI_TRY_GOTO(solve(ctx, &p, change, NULL));
-    similarity_of(&p, change, similarity);
-    igi_scene_move_cameras(scene, similarity);
+    IGI_TRY_GOTO(solve(ctx, &p, shared->change, NULL));
+    shared->criterion = criterion_of(&p, shared->change);
+    if (kind == POSE_OF_ALL) similarity_of(&p.units, shared->change, &shared->similarity);
 cleanup:
     clear(&p);
     igi_free(cameras);

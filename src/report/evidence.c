@@ -66,6 +66,7 @@ static json_t *registered_json(const igi_registered *r)
                                    json_pack("[ff]", r->shared.shift_px[0], r->shared.shift_px[1]));
         bad |= json_object_set_new(o, "focal_length", number(r->shared.magnification));
     }
+    if (r->world) bad |= json_object_set_new(o, "scale", number(r->together.scale));
     for (size_t i = 0; i < r->frame_count; i++) {
         const igi_registered_frame *f = &r->frames[i];
         json_t *image = json_object();
