@@ -126,6 +126,7 @@ static igi_status run(cli_session *s)
     if (grid && !read_board(grid, &board))
         return usage("a board is named by its inner corners, 3 to 100 a side, as 9x6");
     if (grid && !(v->square > 0)) return usage("how large are the squares? --square METRES");
+    if (grid && v->square > 1) return usage("--square is in metres: 25 mm are .025");
     if (v->charuco && !(v->marker > 0 && v->marker < v->square))
         return usage("how large are the markers? --marker METRES, less than --square");
     if (v->residuals && !grid)

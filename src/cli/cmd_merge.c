@@ -125,6 +125,13 @@ static void print_table(const cli_session *s, const igi_exposure *exposures,
     printf("%s: %d x %d pixels\n", s->values.output, merged->image->width, merged->image->height);
 }
 
+static bool is_exr(const char *path)
+{
+    size_t length = strlen(path);
+    return length > 4 &&
+           (strcmp(path + length - 4, ".exr") == 0 || strcmp(path + length - 4, ".EXR") == 0);
+}
+
 static igi_status run(cli_session *s)
 {
     igi_exposure *exposures = NULL;
@@ -133,6 +140,8 @@ static igi_status run(cli_session *s)
     igi_calibration *calibration = NULL;
     igi_merged *merged = NULL;
     if (!s->values.output) return usage("where to? give an OpenEXR file with -o");
+    if (!is_exr(s->values.output))
+        return usage("radiance is written as OpenEXR; give -o a name that ends in .exr");
     if (!s->values.list == !s->argument_count)
         return usage("name the images, or a --list of them; not both");
     igi_status status = set_options(s, &options, &calibration);

@@ -261,6 +261,8 @@ igi_status igi_hdr_load_basis(igi_context *ctx, const char *path, double (**tabl
     good = good && fabs((*table)[0][0]) < 1e-6 && fabs((*table)[0][IGI_HDR_TABLE - 1] - 1) < 1e-6;
     for (int k = 1; good && k <= COMPONENTS; k++)
         good = fabs((*table)[k][0]) < 1e-6 && fabs((*table)[k][IGI_HDR_TABLE - 1]) < 1e-6;
+    /* Photographs are brighter than the light in them: a mean above the diagonal is of emor.txt. */
+    good = good && (*table)[0][IGI_HDR_TABLE / 2] < .5;
     fclose(file);
     if (status == IGI_OK && !good)
         status = igi_fail(ctx, IGI_E_DATA,

@@ -89,6 +89,11 @@ static igi_photo_reader reader_of(const unsigned char magic[12])
     return igi_photo_read_raw; /* most raw formats are TIFFs inside: it hands plain TIFFs on */
 }
 
+static bool is_radiance(const unsigned char magic[12])
+{
+    return memcmp(magic, "\x76\x2f\x31\x01", 4) == 0 || memcmp(magic, "#?", 2) == 0;
+}
+
 static igi_status read_photo(igi_context *ctx, const char *path, bool pixels, igi_photo **photo)
 {
     igi_status status = IGI_OK;
@@ -108,6 +113,12 @@ static igi_status read_photo(igi_context *ctx, const char *path, bool pixels, ig
         status = igi_fail(ctx, IGI_E_DATA,
                           "%s: not a photograph; name a JPEG, PNG, TIFF or raw "
                           "file",
+                          path);
+        goto cleanup;
+    }
+    if (is_radiance(magic)) {
+        status = igi_fail(ctx, IGI_E_DATA,
+                          "%s: holds radiance already; name photographs as the camera wrote them",
                           path);
         goto cleanup;
     }

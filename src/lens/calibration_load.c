@@ -155,6 +155,11 @@ igi_status igi_calibration_load(igi_context *ctx, const char *path, igi_calibrat
 {
     igi_json_file file = {0};
     *calibration = NULL;
+    if (igi_calibration_is_foreign(path))
+        return igi_fail(ctx, IGI_E_DATA,
+                        "%s: a lens of another program's; igi calibrate --convert makes a .json of "
+                        "it",
+                        path);
     IGI_TRY(igi_json_load(ctx, path, &file));
     igi_json root = igi_json_root(&file);
     igi_status status = read_all(ctx, &root, calibration);

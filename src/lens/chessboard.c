@@ -27,6 +27,8 @@
 /* Views and photographs beyond these are no calibration. */
 #define LEAST_VIEWS 3
 #define MOST_VIEWS 10000
+/* Of the focal length: a standard deviation that is worth a word. */
+#define ROUGH .01
 /* Of a board with markers, this many corners and this part of them are enough. */
 #define LEAST_CORNERS 8
 #define LEAST_PART .25
@@ -276,6 +278,12 @@ igi_status igi_calibrate_chessboard(igi_context *ctx, const char *const *paths, 
             "chessboard: 3 to 100 inner corners a side, a positive square, markers that "
             "are smaller than it and at most %d photographs, please",
             MOST_VIEWS);
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(paths[i], paths[k]) == 0)
+                return igi_fail(ctx, IGI_E_DATA,
+                                "%s: named twice: twice it would count as two; name it once",
+                                paths[i]);
     igi_stage_begin(ctx, "chessboard");
     IGI_TRY_GOTO(prepare(ctx, &s, count));
     for (size_t i = 0; i < count; i++) {
@@ -292,6 +300,11 @@ igi_status igi_calibrate_chessboard(igi_context *ctx, const char *const *paths, 
     }
     IGI_TRY_GOTO(name_views(ctx, paths, count, *target));
     IGI_TRY_GOTO(fit_good_views(ctx, &s, *target));
+    if ((*target)->deviations[0] > ROUGH * (*target)->lens.fl_x)
+        igi_warn(ctx,
+                 "%s: the photographs tell the focal length to %.1f %% alone; take more, with the "
+                 "board tilted and in the corners of the picture",
+                 paths[0], 100 * (*target)->deviations[0] / (*target)->lens.fl_x);
     *calibration = *target;
     own = NULL;
 cleanup:

@@ -19,6 +19,11 @@ static bool is_opencv(const char *path)
            igi_ends_with(path, ".xml");
 }
 
+bool igi_calibration_is_foreign(const char *path)
+{
+    return is_opencv(path) || igi_ends_with(path, "cameras.txt") || igi_ends_with(path, ".bin");
+}
+
 static igi_status take_lens(igi_context *ctx, const char *path, const igi_camera *lens,
                             igi_calibration **calibration)
 {

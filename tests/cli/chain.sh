@@ -44,7 +44,7 @@ rm merged/first.exr
 expect 0 '' "$igi" correct -q --calibration camera.json merged/*.exr -o room/images -f
 expect 0 '' "$igi" recover -q room -o out
 cmp out/materials.json by_keys/materials.json || fail "the manifest's keys give another result"
-expect 0 '' "$igi" validate -q out --truth room/truth --tolerance .03
+expect 0 '' "$igi" validate -q out --truth room/truth --tolerance .01
 
 # Vignetting from the overlaps of the same brackets, by the lens and the response, beside the flat
 # field's.

@@ -8,6 +8,10 @@ data=${IGI_SHARED_DATA:-$(dirname "$0")/../../../shared/data}/real
 
 expect 2 'where to\?' "$igi" merge a.jpg
 expect 2 'name the images, or a --list' "$igi" merge -o x.exr
+expect 2 'ends in \.exr' "$igi" merge a.jpg -o x.png
+expect 2 'is in metres' "$igi" calibrate a.jpg -o x.json --chessboard 9x6 --square 25
+expect 3 'named twice' "$igi" calibrate a.jpg a.jpg -o x.json --chessboard 9x6 --square .025
+expect 3 'calibrate --convert' "$igi" correct a.exr -o out --calibration lens.yml
 expect 2 'not both' "$igi" merge a.jpg --list b -o x.exr
 expect 2 'must be one of' "$igi" merge a.jpg -o x.exr --weights guess
 expect 3 'nowhere\.jpg: cannot be opened' "$igi" merge nowhere.jpg -o x.exr
@@ -41,6 +45,9 @@ expect 0 'merge' "$igi" merge --json "$canon"/IMG_260?.jpg -o again.exr --respon
 stdout '"file": .*IMG_2600.jpg", "stated": 0.00195'
 stdout '"shift": \[0, 0\]'
 
+expect 3 'holds radiance already' "$igi" merge -q canon.exr -o again.exr
+expect 3 'give the EMoR model.s invemor.txt' "$igi" merge -q "$canon"/IMG_260?.jpg -o again.exr \
+    --response emor --basis "$data/camera_response/emor.txt"
 living=$data/hdr_ssarcandy_living_room1
 awk -v d="$living" '/^DSC/ { print d "/" $1, $2 }' "$living/image_list.txt" >living.txt
 expect 3 'DSC_0072.png: false exposures: .*DSC_0075' "$igi" merge -q --list living.txt -o living.exr
