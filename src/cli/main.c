@@ -74,7 +74,8 @@ static igi_status run(cli_session *s)
     cli_progress_clear(&s->progress);
     if (s->values.verbose) print_stages(s->context);
     const char *sentence = igi_context_message(s->context);
-    if (status != IGI_OK && (sentence[0] || status != IGI_E_USAGE)) /* that has been said */
+    bool said = status == IGI_E_USAGE || status == IGI_E_NO_ANSWER;
+    if (status != IGI_OK && (sentence[0] || !said))
         fprintf(stderr, "igi: %s\n", sentence[0] ? sentence : igi_status_meaning(status));
     running = NULL;
     igi_context_destroy(s->context);

@@ -62,7 +62,7 @@ igi_status igi_exr_open_file(igi_context *ctx, const char *path, igi_exr_source 
     from->name = path;
     from->fd = open(path, O_RDONLY | O_CLOEXEC);
     if (from->fd < 0 || fstat(from->fd, &about) != 0) {
-        bool missing = errno == ENOENT || errno == ENOTDIR;
+        bool missing = errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG;
         return igi_fail(ctx, missing ? IGI_E_DATA : IGI_E_SYSTEM,
                         "%s: cannot be opened (%s); check the name and the permissions", path,
                         strerror(errno));

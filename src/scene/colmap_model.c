@@ -77,29 +77,27 @@ igi_status igi_colmap_add_camera(igi_colmap *r, igi_colmap_camera **camera)
     return IGI_OK;
 }
 
-/* The image: beside the model, in its folder "images", or the same one to three folders up. */
+/* The image: beside the model, in its folder "images", or the same one to three folders up. One that
+ * is missing is looked for where the others are. */
 static igi_status find_image(igi_colmap *r, const char *name, char **path)
 {
     static const char *const places[] = {"../images", "images",       ".",
                                          "..",        "../../images", "../../../images"};
-    char *folder = NULL, *first = NULL;
     igi_status status = IGI_OK;
+    size_t count = sizeof places / sizeof places[0];
     *path = NULL;
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-        IGI_TRY_GOTO(igi_path_join(r->ctx, r->folder, places[i], &folder));
-        IGI_TRY_GOTO(igi_image_path(r->ctx, folder, name, path));
-        igi_free(folder);
-        folder = NULL;
-        if (igi_file_exists(*path)) goto cleanup;
-        if (!first) first = *path; /* named in the sentence if there is none */
-        else igi_free(*path);
+    for (size_t i = 0; i <= count && status == IGI_OK; i++) {
+        char *folder = NULL;
+        const char *place = i < count ? places[i] : r->images ? r->images : places[0];
+        igi_free(*path);
         *path = NULL;
+        status = igi_path_join(r->ctx, r->folder, place, &folder);
+        if (status == IGI_OK) status = igi_image_path(r->ctx, folder, name, path);
+        igi_free(folder);
+        if (status != IGI_OK || i == count || !igi_file_exists(*path)) continue;
+        r->images = place;
+        break;
     }
-    *path = first;
-    first = NULL;
-cleanup:
-    igi_free(folder);
-    igi_free(first);
     return status;
 }
 

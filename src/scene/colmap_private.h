@@ -25,6 +25,7 @@ typedef struct igi_colmap {
     size_t camera_count, camera_capacity;
     igi_frame *frames;
     size_t frame_count, frame_capacity;
+    const char *images; /* where, from the folder, the last image that was found lies, or NULL */
 } igi_colmap;
 
 #define IGI_COLMAP_NO_MODEL SIZE_MAX
