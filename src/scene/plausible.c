@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Scenes that can be read and cannot be meant: too far from the origin, mesh and cameras of different
- * units, without a light.
+ * Scenes that can be read and cannot be meant: mesh and cameras of different units; without a light.
  */
 #include "scene/plausible.h"
 
@@ -11,8 +10,6 @@
 
 #include <math.h>
 
-#define SINGLE 6e-8     /* relative spacing of single precision, in which positions are held */
-#define COARSEST 1e-4   /* of the mesh's size: a third of a pixel in a photograph of all of it */
 #define HALL 80.0       /* metres across: few rooms that are photographed from one corner */
 #define CORNER_SHARE 20 /* mesh across over cameras across; rooms have 1 to 5 */
 
@@ -31,22 +28,14 @@ static double across(const box *b)
     return hypot(hypot(b->high[0] - b->low[0], b->high[1] - b->low[1]), b->high[2] - b->low[2]);
 }
 
-igi_status igi_scene_check_plausible(igi_context *ctx, const char *manifest, igi_scene *scene)
+igi_status igi_scene_check_plausible(igi_context *ctx, igi_scene *scene)
 {
     box mesh = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, eyes = mesh;
-    double farthest = 0;
     for (size_t i = 0; i < 3 * scene->mesh.vertex_count; i++)
         add(&mesh, (int)(i % 3), scene->mesh.positions[i]);
     for (size_t i = 0; i < 3 * scene->frame_count; i++)
         add(&eyes, (int)(i % 3), scene->frames[i / 3].camera.camera_to_world[i % 3][3]);
-    for (int k = 0; k < 3; k++)
-        farthest = fmax(farthest, fmax(fabs(mesh.low[k]), fabs(mesh.high[k])));
     double size = across(&mesh), spread = across(&eyes);
-    if (farthest * SINGLE > COARSEST * size)
-        return igi_fail(ctx, IGI_E_DATA,
-                        "%s: the mesh lies %.3g m from the origin, where positions are held to "
-                        "%.1g m only; move mesh and cameras near the origin",
-                        manifest, farthest, farthest * SINGLE);
     if (size > HALL && scene->frame_count > 2 && spread < size / CORNER_SHARE)
         IGI_TRY(igi_scene_warn(ctx, scene,
                                "the mesh is %.3g m across, and all cameras stand within %.2g m: is "

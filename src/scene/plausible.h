@@ -7,8 +7,7 @@
 
 #include <igi/scene.h>
 
-/* Refuses a mesh too far from the origin; warns of units that differ, and of a scene without light. */
-IGI_MUST_USE igi_status igi_scene_check_plausible(igi_context *ctx, const char *manifest,
-                                                  igi_scene *scene);
+/* Warns of units that differ, and of a scene without light. */
+IGI_MUST_USE igi_status igi_scene_check_plausible(igi_context *ctx, igi_scene *scene);
 
 #endif

@@ -172,7 +172,7 @@ igi_status igi_scene_load(igi_context *context, const char *path, igi_scene **sc
     }
     IGI_TRY_GOTO(igi_scene_note_file(context, s, manifest));
     IGI_TRY_GOTO(read_manifest(context, manifest, s));
-    IGI_TRY_GOTO(igi_scene_check_plausible(context, manifest, s));
+    IGI_TRY_GOTO(igi_scene_check_plausible(context, s));
     *scene = s;
     s = NULL;
 cleanup:
