@@ -3,8 +3,8 @@
 
 #include "scene/camera.h"
 
-#define CANDIDATES 40000 /* pixels of a region to choose from, at most */
-#define FLAT_SIDES 16    /* a region of more directions is curved */
+#define CANDIDATES 100000 /* pixels of a region to choose from, at most */
+#define FLAT_SIDES 16     /* a region of more directions is curved */
 
 igi_pixel_view igi_pixel_view_of(const igi_problem *problem, size_t observation)
 {

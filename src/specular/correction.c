@@ -9,9 +9,10 @@
 
 #define SIDES_A_TASK 64
 #define SEEN_SAMPLES 40000 /* photographs' pixels of a region whose lobe is taken out, about; */
-#define FIRST_SHARE 2      /* fewer in the first round, which only refining uses */
+#define FIRST_SHARE 4      /* fewer in the first round, which only refining uses */
 #define FEWEST_SAMPLES 12
 #define MOST_SAMPLES 512
+#define VIEW_SAMPLES 4         /* of a view, at least */
 #define RECEIVED_SAMPLES 40000 /* rays of a region's rows that look for lobes, about; of each row */
 #define LEAST_RECEIVED 8       /* so many at least, half of those it gathers with at most */
 #define MOST_RECEIVED 512
@@ -90,7 +91,8 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
     samples = samples < FEWEST_SAMPLES ? FEWEST_SAMPLES : samples;
     samples = samples > MOST_SAMPLES ? MOST_SAMPLES : samples;
     const float *before = j->diffuse->radiance + side * (size_t)j->problem->bands;
-    return igi_side_views_part(j->field, side, samples, before, r->level, rng, j->correction);
+    igi_side_effort effort = {samples, j->round == 0 ? 2 : VIEW_SAMPLES};
+    return igi_side_views_part(j->field, side, effort, before, r->level, rng, j->correction);
 }
 
 static igi_status correct_rows(igi_context *ctx, void *user, size_t task, int worker)

@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "brdf/brdf.h"
 
-#define PHOTONS 400000  /* about; */
+#define PHOTONS 300000  /* about; */
 #define FIRST_SHARE 4   /* fewer in the first round, which only refining uses */
 #define MOST_PHOTONS 64 /* of a side */
 #define ROWS_A_TASK 64

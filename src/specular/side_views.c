@@ -13,7 +13,6 @@
 
 #include "scene/camera.h"
 
-#define FEWEST_SAMPLES 4 /* of a view */
 /* Of L and of S, relative: the second is what is left of wrong coefficients and coarse light. */
 #define PIXEL_NOISE 0.05
 #define SPECULAR_ERROR 0.05
@@ -163,7 +162,7 @@ static double combine_views(const side_views *s, double d, double result[IGI_MAX
     return error;
 }
 
-uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, int samples,
+uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, igi_side_effort effort,
                              const float *before, igi_side_level level, igi_rng *rng,
                              igi_correction *correction)
 {
@@ -176,8 +175,8 @@ uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, int
     find_views(&s, correction);
     for (size_t i = 0; i < s.count; i++) {
         double share = (double)(s.views[i].end - s.views[i].begin) / pixels;
-        int own = 2 * (int)ceil(0.5 * share * samples);
-        rays += sample_view(&s, own < FEWEST_SAMPLES ? FEWEST_SAMPLES : own, first + i, rng,
+        int own = 2 * (int)ceil(0.5 * share * effort.samples);
+        rays += sample_view(&s, own < effort.of_view ? effort.of_view : own, first + i, rng,
                             &s.views[i], correction);
     }
     average_views(&s, d);

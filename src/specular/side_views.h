@@ -14,9 +14,14 @@ typedef struct igi_side_level {
     double seen, diffuse;
 } igi_side_level;
 
+/* Rays of the lobe: of the side, about, and of each view at least; an even number. */
+typedef struct igi_side_effort {
+    int samples, of_view;
+} igi_side_effort;
+
 /* d, the diffuse radiance; `views` of the correction get the lobe's part from surfaces. *trust: the
- * side's weight in its region's albedo. samples: of the lobe in all. Returns the rays it cost. */
-uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, int samples,
+ * side's weight in its region's albedo. Returns the rays it cost. */
+uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, igi_side_effort effort,
                              const float *before, igi_side_level level, igi_rng *rng,
                              igi_correction *correction);
 

@@ -22,13 +22,15 @@
 #define MODEL_SHARE 0.02
 /* Candidates of which each step chooses its pixels, at most. */
 #define GLANCE_SCORED 4000
-#define SEARCH_SCORED 20000
-#define REFINE_SCORED 40000
+#define SEARCH_SCORED 10000
+#define REFINE_SCORED 100000
 #define DOUBT_SCORED 8000
 #define FEW_PIXELS 1000  /* to tell models apart; */
-#define MOST_PIXELS 4000 /* more, until independent noise leaves no more of rho_s open */
+#define MOST_PIXELS 3000 /* more, until independent noise leaves no more of rho_s open */
 #define QUIET 0.006
-#define MIRRORED 0.02 /* what is mirrored is known no better (scripts/random_rooms) */
+#define MOST_LAMP_POINTS 96
+#define LAMP_POINTS_ALPHA 5 /* so many times the reciprocal of alpha */
+#define MIRRORED 0.02       /* what is mirrored is known no better (scripts/random_rooms) */
 
 typedef struct irradiance_source {
     const igi_problem *problem;
@@ -235,9 +237,9 @@ static igi_status search_region(igi_context *ctx, const stage *s, size_t region,
                                 size_t count)
 {
     igi_highlights *h = NULL;
-    options.pixels = 1200;
-    options.lobe_samples = 32;
-    options.lamp_samples = 64;
+    options.pixels = 1000;
+    options.lobe_samples = 24;
+    options.lamp_samples = 48;
     options.sharp_samples = 16;
     s->specular->estimates[region].model = IGI_LAMBERT; /* the hint is no start */
     IGI_TRY(find_highlights(ctx, s, region, SEARCH_SCORED, &options, &h));
@@ -281,6 +283,12 @@ static size_t enough_pixels(size_t tried, const igi_lobe_estimate *e)
     return (size_t)fmin(MOST_PIXELS, (double)tried * rest * rest);
 }
 
+/* As many places on a lamp as a lobe so broad can tell apart. */
+static int lamp_points(float alpha)
+{
+    return (int)fminf(MOST_LAMP_POINTS, fmaxf(MOST_LAMP_POINTS / 2, LAMP_POINTS_ALPHA / alpha));
+}
+
 /* First which model, then how much of it, by the same pixels and more. */
 static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
 {
@@ -291,7 +299,7 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
     float a = s->specular->lobes[r].alpha;
     igi_highlight_options options = {.pixels = FEW_PIXELS,
                                      .lobe_samples = 32,
-                                     .lamp_samples = 96,
+                                     .lamp_samples = lamp_points(a),
                                      .lamp_tests = 8,
                                      .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
                                      .sharp = {0.7f * a, 1.5f * a},
