@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-enum { LIGHTS = IGI_SHARES_LIGHTS, STEPS = 5, ROUNDS = 4 };
+enum { LIGHTS = IGI_SHARES_LIGHTS, STEPS = 5, ROUNDS = 4, FIRST = 4, BEST = 6 };
 #define MARGIN 0.1        /* of the room's size, that the grid stays away from its ends */
 #define NEAREST 0.03      /* of its size: a bulb shines no brighter than from so far */
 #define BY_CHANCE 3.5     /* standard deviations of the best of the grid where nothing is missing */
@@ -38,6 +38,7 @@ typedef struct search {
 typedef struct bulb {
     igi_vec at;
     double intensity, error; /* mean over bands */
+    double sigmas;           /* one over the other */
 } bulb;
 
 /* Irradiance from a bulb of intensity 1. */
@@ -93,20 +94,23 @@ static bool solve(const search *q, const terms *all, const double *matrix, const
     return true;
 }
 
-/* How many standard deviations of light there are from `at`. */
-static double try_place(search *q, igi_vec at, bool shadows, bulb *found)
+/* How many standard deviations of light there are from `at`, by every so many sides, which stand for
+ * the others. */
+static double try_place(search *q, igi_vec at, size_t stride, bool shadows, bulb *found)
 {
     const igi_light_shares *s = q->s;
     memset(q->regions, 0, s->regions * sizeof *q->regions);
-    for (size_t i = 0; i < s->count; i++)
+    for (size_t i = 0; i < s->count; i += stride)
         if (s->looks[i].weight > 0 || shadows)
             add_look(q, &s->looks[i], at, shadows, &q->regions[s->looks[i].region]);
     if (shadows) q->rays += s->count;
     q->all = (terms){.w = 0};
     for (size_t r = 0; r < s->regions; r++) add_terms(&q->all, &q->regions[r], 1, s->light_count);
     found->at = at;
-    if (!solve(q, &q->all, q->matrix, q->right, &found->intensity, &found->error)) return 0;
-    return found->intensity / found->error;
+    found->sigmas = 0;
+    if (solve(q, &q->all, q->matrix, q->right, &found->intensity, &found->error))
+        found->sigmas = found->intensity / found->error;
+    return found->sigmas;
 }
 
 /* What regions left out in turn change. */
@@ -149,39 +153,50 @@ static igi_vec place(igi_vec low, igi_vec size, const int at[3])
                      low.z + size.z * (first + step * (float)at[2])};
 }
 
-/* A grid without shadows, then about its best with them. Returns the standard deviations. */
-static double look_everywhere(search *q, bulb *best)
+/* The best places of a grid by some of the sides, then the best of them by all, without shadows. */
+static void look_roughly(search *q, igi_vec low, igi_vec size, bulb *best)
+{
+    bulb places[BEST + 1] = {{.sigmas = 0}};
+    for (int i = 0; i < STEPS * STEPS * STEPS; i++) {
+        const int at[3] = {i % STEPS, i / STEPS % STEPS, i / STEPS / STEPS};
+        int k = BEST;
+        (void)try_place(q, place(low, size, at), FIRST, false, &places[k]);
+        for (; k > 0 && places[k].sigmas > places[k - 1].sigmas; k--) {
+            bulb better = places[k];
+            places[k] = places[k - 1];
+            places[k - 1] = better;
+        }
+    }
+    *best = (bulb){.sigmas = 0};
+    for (int k = 0; k < BEST; k++)
+        if (places[k].sigmas > 0 && try_place(q, places[k].at, 1, false, &places[k]) > best->sigmas)
+            *best = places[k];
+}
+
+/* About the best of a grid with shadows, ever nearer. */
+static void look_everywhere(search *q, bulb *best)
 {
     igi_vec low, size;
-    double most = 0;
     bulb found;
     find_room(q->s, &low, &size);
     double side = NEAREST * (double)igi_length(size);
     q->nearest2 = side * side;
-    for (int i = 0; i < STEPS * STEPS * STEPS; i++) {
-        const int at[3] = {i % STEPS, i / STEPS % STEPS, i / STEPS / STEPS};
-        double sigmas = try_place(q, place(low, size, at), false, &found);
-        if (sigmas <= most) continue;
-        most = sigmas;
-        *best = found;
-    }
-    if (most < BY_CHANCE) return 0;
-    igi_vec middle = best->at;
+    look_roughly(q, low, size, best);
+    if (best->sigmas < BY_CHANCE) return;
     float step = (float)(1 - 2 * MARGIN) / (STEPS - 1);
-    most = try_place(q, middle, true, best);
-    for (int round = 0; round < ROUNDS; round++, middle = best->at, step /= 2)
+    (void)try_place(q, best->at, 1, true, best);
+    for (int round = 0; round < ROUNDS; round++, step /= 2) {
+        igi_vec middle = best->at;
         for (int i = 0; i < 6; i++) {
-            float by = (i & 1 ? step : -step);
+            float by = i & 1 ? step : -step;
             igi_vec at = middle;
             if (i / 2 == 0) at.x += by * size.x;
             if (i / 2 == 1) at.y += by * size.y;
             if (i / 2 == 2) at.z += by * size.z;
-            double sigmas = try_place(q, at, true, &found);
-            if (sigmas <= most) continue;
-            most = sigmas;
-            *best = found;
+            if (try_place(q, at, 1, true, &found) > best->sigmas) *best = found;
         }
-    return try_place(q, best->at, true, best);
+    }
+    (void)try_place(q, best->at, 1, true, best); /* the sums that go with it */
 }
 
 static igi_status say(igi_context *ctx, const bulb *b, double error, double share, igi_materials *m)
@@ -218,16 +233,16 @@ igi_status igi_doubt_missing(igi_context *ctx, const igi_light_shares *s, igi_ma
         for (size_t k = 0; k < LIGHTS; k++) q.right[k] += s->right[r][k];
     }
     igi_status status = IGI_OK;
-    double sigmas = look_everywhere(&q, &found);
+    look_everywhere(&q, &found);
     igi_count_rays(ctx, q.rays);
-    if (sigmas <= BY_CHANCE) goto cleanup;
+    if (found.sigmas < BY_CHANCE) goto cleanup;
     double error = jackknife(&q, &found), chance = BY_CHANCE * found.error;
     for (size_t r = 0; r < s->regions; r++) {
         plain += q.regions[r].plain;
         sides += q.regions[r].sides;
     }
     double share = plain / fmax(1, sides);
-    if (sigmas > SURE && found.intensity > SURE_REGIONS * error &&
+    if (found.sigmas > SURE && found.intensity > SURE_REGIONS * error &&
         found.intensity * share > WORTH_A_WORD)
         IGI_TRY_GOTO(say(ctx, &found, hypot(error, found.error), found.intensity * share, m));
     widen(&q, sqrt(fmax(0, found.intensity * found.intensity - error * error - chance * chance)),
