@@ -32,7 +32,8 @@ IGI_MUST_USE igi_status igi_doubt_gaps(igi_context *ctx, const igi_problem *p, i
 IGI_MUST_USE igi_status igi_doubt_powers(igi_context *ctx, const igi_light_shares *survey,
                                          igi_materials *m, double *off);
 /* What a mesh that is off, as edges say, does to the light of each region, likewise. */
-void igi_doubt_shape(const igi_light_shares *survey, double *off);
+IGI_MUST_USE igi_status igi_doubt_shape(igi_context *ctx, const igi_light_shares *survey,
+                                        igi_materials *m, double *off);
 /* A light that is not in the list, likewise. */
 IGI_MUST_USE igi_status igi_doubt_missing(igi_context *ctx, const igi_light_shares *survey,
                                           igi_materials *m, double *off);

@@ -160,7 +160,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
         IGI_TRY_GOTO(igi_light_shares_create(ctx, p, field, m, diffuse, &survey));
     if (survey) IGI_TRY_GOTO(igi_doubt_powers(ctx, survey, m, powers_off));
     if (survey) IGI_TRY_GOTO(igi_doubt_missing(ctx, survey, m, powers_off));
-    if (survey) igi_doubt_shape(survey, powers_off);
+    if (survey) IGI_TRY_GOTO(igi_doubt_shape(ctx, survey, m, powers_off));
     IGI_TRY_GOTO(igi_doubt_outlines(ctx, p, m, &outlines_off));
     IGI_TRY_GOTO(igi_doubt_gaps(ctx, p, m, &gaps));
     IGI_TRY_GOTO(doubt_camera(ctx, r, m));

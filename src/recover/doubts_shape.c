@@ -6,6 +6,7 @@
  */
 #include "recover/doubt.h"
 
+#define WORTH_PX 0.18   /* beyond it: a word */
 #define EXACT_PX 0.2    /* where cameras and mesh are exact, edges lie so far off, for noise */
 #define FEWEST_EDGES 20 /* of a photograph; none: its camera was found to be right */
 #define FOUND 0.7 /* of a displacement: the rest passes for the camera's (igi chart stability) */
@@ -52,11 +53,25 @@ static double change_of(const igi_light_shares *s, const igi_look *l, size_t lig
     return change * value / l->received;
 }
 
-/* All of a region moves at once. */
-void igi_doubt_shape(const igi_light_shares *s, double *off)
+static igi_status say(igi_context *ctx, double px, double delta, igi_materials *m)
 {
-    double delta = edges_off(s->p->observations) * pixel_m(s) / FOUND;
-    if (!(delta > 0)) return;
+    char *sentence;
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "the photographs' edges lie some %.2f pixels beside the mesh's, each "
+                      "otherwise: the mesh is off by some %.2g m here and there; the error bars "
+                      "of albedo hold what that does to its light, those of lobes do not",
+                      px, delta));
+    return igi_doubt_say(ctx, m, sentence);
+}
+
+/* All of a region moves at once. */
+igi_status igi_doubt_shape(igi_context *ctx, const igi_light_shares *s, igi_materials *m,
+                           double *off)
+{
+    double px = edges_off(s->p->observations), delta = px * pixel_m(s) / FOUND;
+    if (!(delta > 0)) return IGI_OK;
+    if (px > WORTH_PX) IGI_TRY(say(ctx, px, delta, m));
     for (size_t r = 0; r < s->regions; r++) {
         double change = 0, n = 0;
         size_t step = (size_t)(s->sides[r] / LOOKED_AT) + 1, seen = 0;
@@ -68,4 +83,5 @@ void igi_doubt_shape(const igi_light_shares *s, double *off)
         }
         off[r] = hypot(off[r], change / fmax(1, n));
     }
+    return IGI_OK;
 }
