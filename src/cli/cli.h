@@ -11,7 +11,7 @@
 
 enum { CLI_MAX_ARGUMENTS = 1024 };
 
-/* Every option's value, set from the table in options.c: the same option means the same in every
+/* Every option's value, set from the table in option_table.c: the same option means the same in every
  * command. */
 typedef struct cli_values {
     const char *output, *registering, *method, *gather_from, *form_factors, *model, *truth, *list,
