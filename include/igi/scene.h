@@ -54,9 +54,12 @@ typedef struct igi_sky {
 
 typedef struct igi_light {
     igi_light_type type;
-    int region;          /* area: index of the emitter region; else -1 */
-    double position[3];  /* point, spot, goniometric; line: its one end */
-    double end[3];       /* line: its other end */
+    int region;         /* area: index of the emitter region; else -1 */
+    double position[3]; /* point, spot, goniometric; line: its one end */
+    double end[3];      /* line: its other end */
+    double
+        position_std[3]; /* of position (line: of it as a whole), metres; 0: it is exact. A manifest
+                               states one number, and recovery finds its own */
     double direction[3]; /* spot, directional: unit, in which the light travels */
     double cutoff_deg,
         beam_deg;        /* spot: half angles; full inside beam, linear in angle to 0 at cutoff */

@@ -5,6 +5,7 @@
 #include "base/solve.h"
 
 #include <math.h>
+#include <string.h>
 
 bool igi_solve_cholesky(double *a, size_t n, double *b, size_t count)
 {
@@ -29,6 +30,21 @@ bool igi_solve_cholesky(double *a, size_t n, double *b, size_t count)
             for (size_t k = i + 1; k < n; k++) x[i] -= a[k * n + i] * x[k];
             x[i] /= a[i * n + i];
         }
+    }
+    return true;
+}
+
+bool igi_solve_sandwich(const double *a, double *scratch, size_t n, double *s)
+{
+    for (int side = 0; side < 2; side++) {
+        memcpy(scratch, a, n * n * sizeof *a);
+        if (!igi_solve_cholesky(scratch, n, s, n)) return false;
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < i; j++) {
+                double swap = s[i * n + j];
+                s[i * n + j] = s[j * n + i];
+                s[j * n + i] = swap;
+            }
     }
     return true;
 }

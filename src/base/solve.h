@@ -13,4 +13,7 @@
  * positive. */
 bool igi_solve_cholesky(double *a, size_t n, double *b, size_t count);
 
+/* Overwrites s[n][n], symmetric, with A^-1 s A^-1, A as above but kept; `scratch` [n][n]. */
+bool igi_solve_sandwich(const double *a, double *scratch, size_t n, double *s);
+
 #endif

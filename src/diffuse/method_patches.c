@@ -20,6 +20,7 @@
  */
 #include "diffuse/methods.h"
 
+#include "diffuse/positions.h"
 #include "diffuse/powers.h"
 #include "diffuse/region_sums.h"
 
@@ -192,6 +193,7 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &s.places, diffuse));
     IGI_TRY_GOTO(widen_by_guesses(ctx, &s, diffuse));
     IGI_TRY_GOTO(igi_powers_finish(ctx, s.powers, &s.places, diffuse));
+    igi_positions_widen(problem->positions, problem, diffuse);
 cleanup:
     igi_free(s.direct);
     igi_free(s.irradiance);

@@ -34,20 +34,6 @@ static void add_scores(igi_powers *p, double *score, double *sum)
     }
 }
 
-/* Variance of a row's gathered irradiance, as its rays scatter: an upper bound. */
-static double row_variance(const igi_powers *p, const igi_diffuse *diffuse, size_t row, size_t b)
-{
-    size_t begin = p->rows->begin[row], end = p->rows->begin[row + 1];
-    double sum = 0, squares = 0, n = (double)(end - begin);
-    for (size_t k = begin; k < end; k++) {
-        uint32_t side = p->rows->hits[k];
-        double x = side == IGI_NO_SIDE ? 0 : (double)diffuse->radiance[side * p->bands + b];
-        sum += x;
-        squares += x * x;
-    }
-    return IGI_PI * IGI_PI * fmax(0, squares / n - sum * sum / (n * n)) / n;
-}
-
 static void add_pull(igi_powers *p, const igi_places *places, const igi_diffuse *diffuse,
                      double *pull)
 {
@@ -58,28 +44,12 @@ static void add_pull(igi_powers *p, const igi_places *places, const igi_diffuse 
         double share = (double)places->weight[i] / (p->size[cell] * patch);
         for (size_t b = 0; b < p->bands; b++) {
             double e = igi_power_irradiance(p, cell, b), w = igi_power_weight(p, cell, b);
-            double noise = share * share * row_variance(p, diffuse, i, b);
+            double noise = share * share *
+                           igi_row_variance(p->rows, i, diffuse->radiance, (int)p->bands, (int)b);
             for (size_t v = 0; v < p->count && e > 0; v++)
                 pull[v] += w * igi_power_gain(p, cell, v, b) / e * noise / (e * e);
         }
     }
-}
-
-/* N^-1 S N^-1 by two solves; S is symmetric, and is overwritten with the result. */
-static bool sandwich(igi_powers *p, double *s)
-{
-    size_t n = p->count;
-    for (int side = 0; side < 2; side++) {
-        memcpy(p->factor, p->matrix, n * n * sizeof *p->matrix);
-        if (!igi_solve_cholesky(p->factor, n, s, n)) return false;
-        for (size_t i = 0; i < n; i++)
-            for (size_t j = 0; j < i; j++) {
-                double swap = s[i * n + j];
-                s[i * n + j] = s[j * n + i];
-                s[j * n + i] = swap;
-            }
-    }
-    return true;
 }
 
 static igi_status fill_covariance(igi_context *ctx, igi_powers *p, const igi_places *places,
@@ -95,7 +65,7 @@ static igi_status fill_covariance(igi_context *ctx, igi_powers *p, const igi_pla
     for (size_t v = 0; v < n; v++)
         for (size_t m = 0; m < n; m++) o->covariance[v * n + m] += score[v] * score[m];
     igi_free(score);
-    if (sandwich(p, o->covariance)) return IGI_OK;
+    if (igi_solve_sandwich(p->matrix, p->factor, n, o->covariance)) return IGI_OK;
     return igi_fail(ctx, IGI_E_INTERNAL, "lights: the system of their powers is singular");
 }
 

@@ -12,6 +12,7 @@
 
 /* The photographs on the patches: what was seen of each side of each patch. */
 struct igi_lobe_view; /* recover/lobe_view.h */
+struct igi_positions; /* diffuse/positions.h */
 
 typedef struct igi_problem {
     const igi_scene *scene;
@@ -35,6 +36,8 @@ typedef struct igi_problem {
     size_t *site_begin; /* [2 patches + 1] observations of a side: order[begin..) */
     uint32_t *order;    /* [observations] */
     float *seen;        /* [2 patches][bands] mean radiance seen of a side; 0 where nothing was */
+    const struct igi_positions
+        *positions;                    /* what was found of lights' places, or NULL; the caller's */
     const struct igi_lobe_view *lobes; /* what was found of lobes, or NULL; the caller's */
     float *seen_var;                   /* [2 patches] variance of that mean, average of the bands */
 } igi_problem;

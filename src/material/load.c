@@ -65,6 +65,7 @@ static igi_status read_light(const igi_material_reader *r, const json_t *o, igi_
     IGI_TRY(igi_read_numbers(r, type, o, "position", 3, l->position, NULL));
     IGI_TRY(igi_read_numbers(r, type, o, "from", 3, l->position, NULL));
     IGI_TRY(igi_read_numbers(r, type, o, "to", 3, l->end, NULL));
+    IGI_TRY(igi_read_numbers(r, type, o, "position_std", 3, l->position_std, NULL));
     IGI_TRY(igi_read_numbers(r, type, o, "direction", 3, l->direction, NULL));
     IGI_TRY(igi_read_number(r, type, o, "cutoff_deg", &l->cutoff_deg));
     IGI_TRY(igi_read_number(r, type, o, "beam_deg", &l->beam_deg));

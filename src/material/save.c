@@ -225,6 +225,8 @@ static int put_place(json_t *o, const igi_light *l, const igi_scene *scene)
         break;
     case IGI_LIGHT_AMBIENT: break;
     }
+    if (any_nonzero(l->position_std, 3))
+        bad |= json_object_set_new(o, "position_std", numbers(l->position_std, 3));
     return bad;
 }
 

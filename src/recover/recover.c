@@ -4,6 +4,7 @@
  */
 #include "maps/compare.h"
 #include "diffuse/methods.h"
+#include "diffuse/positions.h"
 #include "observe/faults.h"
 #include "observe/saturation.h"
 #include "recover/choice.h"
@@ -109,6 +110,7 @@ cleanup:
 /* What is solved for from the observations. */
 typedef struct solution {
     igi_problem *problem;
+    igi_positions *positions; /* NULL: no light asks */
     igi_diffuse *diffuse;
     igi_specular *specular; /* NULL: nobody looked for lobes */
     igi_lobe_view lobes;
@@ -119,6 +121,7 @@ static void clear_solution(solution *s)
     igi_specular_destroy(s->specular);
     igi_diffuse_destroy(s->diffuse);
     igi_problem_destroy(s->problem);
+    igi_positions_destroy(s->positions);
     *s = (solution){.problem = NULL};
 }
 
@@ -133,6 +136,8 @@ static igi_status solve(igi_context *ctx, const igi_recover_options *o, double l
 {
     igi_problem *problem = s->problem;
     *enough = false;
+    IGI_TRY(igi_positions_refine(ctx, problem, &s->positions));
+    problem->positions = s->positions;
     IGI_TRY(igi_diffuse_create(ctx, problem, &s->diffuse));
     if (o->method == IGI_METHOD_YU99)
         IGI_TRY(igi_yu99_create(ctx, problem, s->diffuse, &s->specular));
@@ -151,6 +156,8 @@ static igi_status make_recovery(igi_context *ctx, const solution *s, igi_poses *
 {
     size_t regions = s->problem->scene->region_count;
     IGI_TRY(igi_materials_of(ctx, s->problem, s->diffuse, s->specular, &r->materials));
+    IGI_TRY(igi_positions_explain(ctx, s->positions, &r->materials->warnings,
+                                  &r->materials->warning_count));
     IGI_TRY(IGI_ALLOC(ctx, regions, &r->evidence));
     if (s->specular && s->specular->evidence)
         memcpy(r->evidence, s->specular->evidence, regions * sizeof *r->evidence);

@@ -68,7 +68,7 @@ static const char *const sky_keys[] = {"latitude_deg",      "longitude_deg",   "
 
 static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t kind)
 {
-    const char *known[12 + IGI_LIGHT_UNIT_KEYS];
+    const char *known[13 + IGI_LIGHT_UNIT_KEYS];
     size_t count = 0;
     unsigned keys = kinds[kind].keys;
     const char *const *units = igi_light_unit_keys(kinds[kind].type);
@@ -79,6 +79,7 @@ static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t 
     if (keys & KEY_POSITION) known[count++] = "position";
     if (keys & KEY_FROM_TO) known[count++] = "from";
     if (keys & KEY_FROM_TO) known[count++] = "to";
+    if (keys & (KEY_POSITION | KEY_FROM_TO)) known[count++] = "position_std";
     if (keys & KEY_DIRECTION) known[count++] = "direction";
     if (keys & KEY_CONE) known[count++] = "cutoff_deg";
     if (keys & KEY_CONE) known[count++] = "beam_deg";
@@ -106,6 +107,23 @@ static igi_status read_direction(igi_context *ctx, const igi_json *at, double di
         return igi_json_fail(ctx, &member,
                              "has no length; give the way in which the light travels");
     for (int k = 0; k < 3; k++) direction[k] /= length;
+    return IGI_OK;
+}
+
+/* How well the place is known: to be refined by the photographs. */
+static igi_status read_position_std(igi_context *ctx, const igi_json *at, igi_light *light)
+{
+    igi_json member = igi_json_member(at, "position_std");
+    double std;
+    if (!member.value) return IGI_OK;
+    IGI_TRY(igi_json_number(ctx, &member, &std));
+    if (!(std > 0 && std < 1e3))
+        return igi_json_fail(
+            ctx, &member,
+            "is %g; give a standard deviation in metres, or leave it out where the "
+            "place is known",
+            std);
+    for (int k = 0; k < 3; k++) light->position_std[k] = std;
     return IGI_OK;
 }
 
@@ -220,6 +238,7 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
             return igi_json_fail(ctx, at,
                                  "\"from\" and \"to\" are one point; give the line's ends");
     }
+    IGI_TRY(read_position_std(ctx, at, light));
     if (keys & KEY_DIRECTION) IGI_TRY(read_direction(ctx, at, light->direction));
     if (keys & KEY_CONE) IGI_TRY(read_cone(ctx, at, light));
     if (keys & KEY_PROFILE) IGI_TRY(read_file(ctx, at, "profile", &light->file));

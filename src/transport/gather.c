@@ -336,6 +336,20 @@ void igi_row_indirect(const igi_rows *rows, size_t row, const float *radiance, i
     for (int b = 0; b < bands; b++) irradiance[b] = scale * sum[b];
 }
 
+double igi_row_variance(const igi_rows *rows, size_t row, const float *radiance, int bands,
+                        int band)
+{
+    size_t begin = rows->begin[row], end = rows->begin[row + 1];
+    double sum = 0, squares = 0, n = (double)(end - begin);
+    for (size_t k = begin; k < end; k++) {
+        uint32_t side = rows->hits[k];
+        double x = side == IGI_NO_SIDE ? 0 : (double)radiance[side * (size_t)bands + (size_t)band];
+        sum += x;
+        squares += x * x;
+    }
+    return IGI_PI * IGI_PI * fmax(0, squares / n - sum * sum / (n * n)) / n;
+}
+
 void igi_row_direct(const igi_rows *rows, size_t row, const igi_light *lights, int bands,
                     float *irradiance)
 {

@@ -65,6 +65,9 @@ void igi_rows_destroy(igi_rows *rows);
 /* (pi / K) sum_k L(hit_k) of a row, per band, from radiance[2 patches][bands]. */
 void igi_row_indirect(const igi_rows *rows, size_t row, const float *radiance, int bands,
                       float *irradiance);
+/* Variance of that in one band, as the rays scatter: an upper bound, since they are well spread. */
+double igi_row_variance(const igi_rows *rows, size_t row, const float *radiance, int bands,
+                        int band);
 /* sum_l G_l value_l of a row, per band. */
 void igi_row_direct(const igi_rows *rows, size_t row, const igi_light *lights, int bands,
                     float *irradiance);
