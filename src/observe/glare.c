@@ -19,38 +19,47 @@ static bool is_clear(const igi_glare *g, double least)
     return g->share > least && g->share < MOST_SHARE && g->share > CLEAR_SIGMAS * g->sigma;
 }
 
-static double lifted(double x, double share, double mean)
+static double lifted(double x, const igi_veil *veil, double mean)
 {
-    return (x - share * mean) / (1 - share);
+    return (x - veil->share * mean) / veil->kept;
 }
 
-/* Of the second veil of a photograph there is 1 - the first. */
-static void lift(igi_observations *o, size_t frame, double share)
+/* Light of the picture that strays is missing where it belongs; light from beside the picture is not.
+ * Exposures differ, too: between the two there is nothing. */
+static igi_veil veil_of(const igi_glare *g)
+{
+    return (igi_veil){g->share, g->gain < 1 - g->share / 2 ? 1 - g->share : 1};
+}
+
+static void lift(igi_observations *o, size_t frame, igi_veil v)
 {
     size_t bands = (size_t)o->bands;
-    const double *mean = o->mean + frame * bands;
+    double *mean = o->mean + frame * bands;
     for (size_t k = o->frame_begin[frame] * bands; k < o->frame_begin[frame + 1] * bands; k++)
-        o->radiance[k] = (float)lifted((double)o->radiance[k], share, mean[k % bands]);
+        o->radiance[k] = (float)lifted((double)o->radiance[k], &v, mean[k % bands]);
     for (size_t k = 0; k < o->reading_count; k++)
         for (size_t b = 0; o->readings[k].frame == frame && b < bands; b++) {
             igi_lamp_reading *r = &o->readings[k];
-            r->radiance[b] = lifted(r->radiance[b], share, mean[b]);
-            r->error[b] /= 1 - share;
-            r->highest[b] = (float)lifted((double)r->highest[b], share, mean[b]);
+            r->radiance[b] = lifted(r->radiance[b], &v, mean[b]);
+            r->error[b] /= v.kept;
+            r->highest[b] = (float)lifted((double)r->highest[b], &v, mean[b]);
         }
-    o->veils[frame] = 1 - (1 - o->veils[frame]) * (1 - share);
+    for (size_t b = 0; b < bands; b++) mean[b] = lifted(mean[b], &v, mean[b]);
+    igi_veil *all = &o->veils[frame];
+    all->share += (1 - all->share) * v.share;
+    all->kept *= v.kept;
 }
 
 void igi_glare_lift_image(const igi_observations *o, size_t frame, igi_image *image)
 {
     size_t pixels = (size_t)image->width * (size_t)image->height;
     double mean[IGI_MAX_BANDS] = {0};
-    if (o->veils[frame] == 0) return;
+    if (o->veils[frame].share == 0) return;
     igi_image_mean(image, o->bands, mean);
     for (size_t i = 0; i < pixels; i++)
         for (int b = 0; b < o->bands; b++) {
             float *x = &image->samples[i * (size_t)image->channels + (size_t)b];
-            *x = (float)lifted((double)*x, o->veils[frame], mean[b]);
+            *x = (float)lifted((double)*x, &o->veils[frame], mean[b]);
         }
 }
 
@@ -78,7 +87,7 @@ igi_status igi_observations_lift_common_veil(igi_context *ctx, const igi_scene *
     igi_free(bright);
     if (status != IGI_OK || !is_clear(&g, COMMON_SHARE)) return status;
     *lifted = true;
-    for (size_t f = 0; f < o->frame_count; f++) lift(o, f, g.share);
+    for (size_t f = 0; f < o->frame_count; f++) lift(o, f, veil_of(&g));
     IGI_TRY(
         igi_strprintf(ctx, &sentence,
                       "%.2f %% of the light strayed over the photographs (glare), and was taken "
@@ -89,12 +98,13 @@ igi_status igi_observations_lift_common_veil(igi_context *ctx, const igi_scene *
 
 igi_status igi_observations_lift_own_veils(igi_context *ctx, const igi_scene *scene,
                                            const igi_glimpses *glimpses,
-                                           igi_observations *observations)
+                                           igi_observations *observations, bool *lifted)
 {
     igi_observations *o = observations;
     igi_status status = IGI_OK;
     igi_glare *glares = NULL;
     double *bright = NULL;
+    *lifted = false;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, o->frame_count, &glares));
     IGI_TRY_GOTO(find_brightness(ctx, o, &bright));
     IGI_TRY_GOTO(igi_glare_own(ctx, glimpses, scene->region_count, bright, o->frame_count, glares));
@@ -102,7 +112,8 @@ igi_status igi_observations_lift_own_veils(igi_context *ctx, const igi_scene *sc
         char *sentence;
         const igi_glare *g = &glares[f];
         if (!is_clear(g, OWN_SHARE)) continue;
-        lift(o, f, g->share);
+        *lifted = true;
+        lift(o, f, veil_of(g));
         IGI_TRY_GOTO(igi_strprintf(
             ctx, &sentence,
             "image %s: a veil of %.1f %% of its mean brightness lay over it, and was taken off; "

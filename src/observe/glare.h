@@ -12,6 +12,8 @@
 typedef struct igi_glare {
     double share; /* s */
     double sigma; /* of it; INFINITY: too little tells */
+    double
+        gain; /* of the rest; 1 - s where the light is the picture's own, 1 where it comes from outside */
 } igi_glare;
 
 /* What all photographs have, by how much more of it the brighter ones have; bright[frames]: M, of all
@@ -32,7 +34,8 @@ IGI_MUST_USE igi_status igi_observations_lift_common_veil(igi_context *ctx, cons
                                                           bool *lifted);
 IGI_MUST_USE igi_status igi_observations_lift_own_veils(igi_context *ctx, const igi_scene *scene,
                                                         const igi_glimpses *glimpses,
-                                                        igi_observations *observations);
+                                                        igi_observations *observations,
+                                                        bool *lifted);
 /* What a picture of a frame, of o->bands bands of `channels`, becomes by what was subtracted. */
 void igi_glare_lift_image(const igi_observations *o, size_t frame, igi_image *image);
 

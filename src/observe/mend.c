@@ -143,9 +143,9 @@ static bool put_off(igi_faults *f)
     return any;
 }
 
-/* A veil over all photographs looks like exposures that drift, and goes first; one photograph's own is
- * told from its exposure after that. *waits: what lobes may account for was put off, and veils of single
- * photographs; NULL: nothing is to wait. */
+/* Veils pass for exposures that drift and for photographs of something else: they go first. Where a
+ * photograph was at fault, that of another may be clear only without it. *waits: what lobes may account
+ * for was put off; NULL: nothing is to wait. */
 static igi_status judge(igi_context *ctx, const igi_scene *scene, igi_observations *observations,
                         igi_agreement **agreement, igi_faults **faults, bool *waits)
 {
@@ -155,13 +155,15 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, igi_observatio
     IGI_TRY_GOTO(igi_glimpses_create(ctx, scene, observations, &g));
     IGI_TRY_GOTO(igi_observations_lift_common_veil(ctx, scene, &g, observations, &lifted));
     if (lifted) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
+    IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations, &lifted));
+    if (lifted) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, &g, agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, observations, *agreement, faults));
     if (waits) *waits = put_off(*faults);
     IGI_TRY_GOTO(igi_observations_mend(ctx, scene, *agreement, *faults, observations));
-    if (waits && *waits) goto cleanup;
-    if (is_mended(*faults)) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
-    IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations));
+    if (!is_mended(*faults)) goto cleanup;
+    IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
+    IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations, &lifted));
 cleanup:
     igi_glimpses_clear(&g);
     return status;
@@ -203,6 +205,7 @@ igi_status igi_observations_reconcile_rest(igi_context *ctx, const igi_scene *sc
     igi_faults *faults = NULL;
     igi_observations rest = *observations;
     igi_glimpses g = {0};
+    bool lifted;
     rest.radiance = explained;
     *changed = false;
     IGI_TRY_GOTO(igi_glimpses_create(ctx, scene, &rest, &g));
@@ -210,10 +213,10 @@ igi_status igi_observations_reconcile_rest(igi_context *ctx, const igi_scene *sc
     IGI_TRY_GOTO(igi_faults_find(ctx, &rest, agreement, &faults));
     forget_edges(faults);
     IGI_TRY_GOTO(igi_observations_mend(ctx, scene, agreement, faults, observations));
-    size_t said = observations->warning_count;
+    *changed = is_mended(faults);
+    if (!*changed) goto cleanup;
     IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
-    IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations));
-    *changed = is_mended(faults) || observations->warning_count > said;
+    IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations, &lifted));
 cleanup:
     igi_glimpses_clear(&g);
     igi_agreement_destroy(agreement);

@@ -386,6 +386,7 @@ static igi_status observe(igi_context *ctx, const igi_scene *scene, const igi_tr
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count * (size_t)scene->bands, &o->mean));
     j.saturated = o->saturated;
     j.mean = o->mean;
+    for (size_t i = 0; i < scene->frame_count; i++) o->veils[i].kept = 1;
     if (preview_side > 0) IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->previews));
     j.previews = o->previews;
     IGI_TRY_GOTO(igi_parallel_for(ctx, scene->frame_count, observe_frame, &j));

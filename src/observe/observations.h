@@ -23,6 +23,11 @@ static inline bool igi_surface_is_back(uint32_t surface)
     return (surface & 1) != 0;
 }
 
+/* Of a picture's radiance x and its mean m, (x - share m) / kept is without the veil. */
+typedef struct igi_veil {
+    double share, kept; /* 0, 1: none */
+} igi_veil;
+
 /* Pixels that show one surface point each; in the order of frames, then of pixels. */
 typedef struct igi_observations {
     int bands;
@@ -36,7 +41,7 @@ typedef struct igi_observations {
     bool *scarce;        /* [regions] few clean pixels, or none but those near its edges */
     igi_registration *registrations; /* [frame_count] */
     double *mean;                    /* [frame_count][bands] of each whole picture */
-    double *veils;     /* [frame_count] share of its light that was taken off as glare; 0: none */
+    igi_veil *veils;                 /* [frame_count] that were taken off */
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t outline_count;
     igi_outline *outlines; /* [outline_count] */

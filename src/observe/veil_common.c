@@ -126,7 +126,7 @@ static igi_glare estimate(session *s)
 {
     double weights = 0, between, jackknife = 0;
     if (s->count < FEWEST_VOICES || s->frames < FEWEST_FRAMES)
-        return (igi_glare){0, (double)INFINITY};
+        return (igi_glare){0, (double)INFINITY, 1};
     hold_variances(s);
     between = between_regions(s);
     for (size_t i = 0; i < s->count; i++) {
@@ -138,7 +138,7 @@ static igi_glare estimate(session *s)
         double off = mean_without(s, f) - share;
         jackknife += (n - 1) / n * off * off;
     }
-    return (igi_glare){share, sqrt(fmax(jackknife, 1 / weights))};
+    return (igi_glare){share, sqrt(fmax(jackknife, 1 / weights)), 1 - share};
 }
 
 igi_status igi_glare_common(igi_context *ctx, const igi_glimpses *glimpses, size_t regions,

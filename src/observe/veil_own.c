@@ -2,9 +2,9 @@
  *
  * The share that one photograph has more than the others, as of a lamp that shines into its lens. Of
  * places with the mean B_p over all their photographs, and B_p' over the others,
- *     (B_pf - B_p') / B_p = gain + s M_f / B_p,
- * since nobody knows its exposure to a per cent: the intercept and the slope of a line, which surfaces of
- * different brightness tell apart. (Residuals over the mean of all: over B_p' alone, places whose others
+ *     (B_pf - B_p') / B_p = g B_p' / B_p + s M_f / B_p,
+ * g for its exposure, which nobody knows to a per cent: surfaces of different brightness tell the two
+ * apart. (Residuals over the mean of all: over B_p' alone, places whose others
  * are dark by chance would weigh most, and pass for a veil.)
  *
  * A dark surface that shines toward this camera looks like a veil on that surface. A veil spares none:
@@ -21,45 +21,46 @@
 #define LEAST_SCATTER .01 /* of a region's places */
 
 typedef struct normal {
-    double one, x, xx, y, xy, yy; /* sums of weight, x, ... */
+    double count, gg, gx, xx, gy, xy, yy; /* sums of weights, and of products */
 } normal;
 
 static void add(normal *to, const normal *n, double weight)
 {
-    to->one += weight * n->one;
-    to->x += weight * n->x;
+    to->count += weight * n->count;
+    to->gg += weight * n->gg;
+    to->gx += weight * n->gx;
     to->xx += weight * n->xx;
-    to->y += weight * n->y;
+    to->gy += weight * n->gy;
     to->xy += weight * n->xy;
     to->yy += weight * n->yy;
 }
 
-/* Intercept and slope; false where x hardly varies. */
+/* g and s; false where they cannot be told apart. */
 static bool solve(const normal *n, double line[2])
 {
-    double determinant = n->one * n->xx - n->x * n->x;
-    if (!(determinant > 1e-3 * n->one * n->xx)) return false;
-    line[0] = (n->xx * n->y - n->x * n->xy) / determinant;
-    line[1] = (n->one * n->xy - n->x * n->y) / determinant;
+    double determinant = n->gg * n->xx - n->gx * n->gx;
+    if (!(determinant > 1e-3 * n->gg * n->xx)) return false;
+    line[0] = (n->xx * n->gy - n->gx * n->xy) / determinant;
+    line[1] = (n->gg * n->xy - n->gx * n->gy) / determinant;
     return true;
 }
 
 static double mean_square(const normal *n, const double line[2])
 {
-    double square = n->yy - 2 * line[0] * n->y - 2 * line[1] * n->xy + line[0] * line[0] * n->one +
-                    2 * line[0] * line[1] * n->x + line[1] * line[1] * n->xx;
-    return fmax(0, square) / n->one;
+    double square = n->yy - 2 * line[0] * n->gy - 2 * line[1] * n->xy + line[0] * line[0] * n->gg +
+                    2 * line[0] * line[1] * n->gx + line[1] * line[1] * n->xx;
+    return fmax(0, square) / n->count;
 }
 
 /* Means over a region's places, for it is one voice; weighted by how far it lies off the line. */
 static igi_glare estimate(const normal *regions, size_t count, double *weights)
 {
-    igi_glare none = {0, (double)INFINITY};
+    igi_glare none = {0, (double)INFINITY, 1};
     double line[2], jackknife = 0, left[2];
     normal all = {0};
     size_t voices = 0;
     for (size_t r = 0; r < count; r++) {
-        weights[r] = regions[r].one >= FEWEST_PLACES ? 1 / regions[r].one : 0;
+        weights[r] = regions[r].count >= FEWEST_PLACES ? 1 / regions[r].count : 0;
         voices += weights[r] > 0;
     }
     if (voices < FEWEST_VOICES) return none;
@@ -69,7 +70,7 @@ static igi_glare estimate(const normal *regions, size_t count, double *weights)
         if (!solve(&all, line)) return none;
         for (size_t r = 0; r < count && round + 1 < ROUNDS; r++)
             if (weights[r] > 0)
-                weights[r] = 1 / (regions[r].one *
+                weights[r] = 1 / (regions[r].count *
                                   (mean_square(&regions[r], line) + LEAST_SCATTER * LEAST_SCATTER));
     }
     for (size_t r = 0; r < count; r++) {
@@ -79,8 +80,8 @@ static igi_glare estimate(const normal *regions, size_t count, double *weights)
         if (!solve(&rest, left)) return none;
         jackknife += (left[1] - line[1]) * (left[1] - line[1]);
     }
-    double n = (double)voices, fit = all.one / (all.one * all.xx - all.x * all.x);
-    return (igi_glare){line[1], sqrt(fmax(jackknife * (n - 1) / n, fit))};
+    double n = (double)voices, fit = all.gg / (all.gg * all.xx - all.gx * all.gx);
+    return (igi_glare){line[1], sqrt(fmax(jackknife * (n - 1) / n, fit)), 1 + line[0]};
 }
 
 static void look(const igi_glimpses *g, size_t place, const double *bright, size_t regions,
@@ -93,9 +94,9 @@ static void look(const igi_glimpses *g, size_t place, const double *bright, size
         mean += exp((double)g->glimpses[i].value) / (double)n;
     for (size_t i = begin; i < begin + n; i++) {
         size_t frame = g->glimpses[i].frame;
-        double b = exp((double)g->glimpses[i].value), x = bright[frame] / mean;
-        double y = (b / mean - 1) * (double)n / (double)(n - 1);
-        const normal here = {1, x, x * x, y, x * y, y * y};
+        double b = exp((double)g->glimpses[i].value) / mean, x = bright[frame] / mean;
+        double others = ((double)n - b) / (double)(n - 1), y = b - others;
+        const normal here = {1, others * others, others * x, x * x, others * y, x * y, y * y};
         add(&frames[frame * regions + g->region[place]], &here, 1);
     }
 }

@@ -267,12 +267,14 @@ static void estimate_veils(const igi_observations *o, igi_glare *common, igi_gla
     igi_glimpses_clear(&g);
 }
 
-/* Adds light to a picture, evenly: `share` of what it then is. */
-static void strew(igi_observations *o, size_t frame, double share)
+/* Adds light to a picture, evenly: `share` of what it then is; its own, or from outside. */
+static void strew(igi_observations *o, size_t frame, double share, bool own)
 {
+    double kept = own ? 1 - share : 1, grown = own ? 1 : 1 / (1 - share);
     for (size_t k = 3 * o->frame_begin[frame]; k < 3 * o->frame_begin[frame + 1]; k++)
-        o->radiance[k] += (float)(share / (1 - share) * o->mean[3 * frame + k % 3]);
-    for (size_t b = 0; b < 3; b++) o->mean[3 * frame + b] /= 1 - share;
+        o->radiance[k] = (float)(kept * (double)o->radiance[k] +
+                                 share * grown * o->mean[3 * frame + k % 3]);
+    for (size_t b = 0; b < 3; b++) o->mean[3 * frame + b] *= grown;
 }
 
 static void no_veil(void)
@@ -295,16 +297,19 @@ static void no_veil(void)
 /* Light that shines into the lens of one camera adds some to all its pixels; it is taken off. */
 static void a_veil(void)
 {
-    igi_observations *o = observe();
-    igi_glare common, own[12];
-    strew(o, 7, .15);
-    estimate_veils(o, &common, own);
-    CHECK_NEAR(own[7].share, .15, 3 * own[7].sigma);
-    expect_one(o, "image 0007: a veil of", "was taken off");
-    CHECK_NEAR(o->veils[7], .15, 3 * own[7].sigma);
-    estimate_veils(o, &common, own);
-    CHECK_NEAR(own[7].share, 0, 2 * own[7].sigma);
-    igi_observations_destroy(o);
+    for (int own = 0; own < 2; own++) {
+        igi_observations *o = observe();
+        igi_glare common, glares[12];
+        strew(o, 7, .15, own);
+        estimate_veils(o, &common, glares);
+        CHECK_NEAR(glares[7].share, .15, 3 * glares[7].sigma);
+        expect_one(o, "image 0007: a veil of", "was taken off");
+        CHECK_NEAR(o->veils[7].share, .15, 3 * glares[7].sigma);
+        CHECK_NEAR(o->veils[7].kept, own ? 1 - o->veils[7].share : 1, 1e-12);
+        estimate_veils(o, &common, glares);
+        CHECK_NEAR(glares[7].share, 0, 2 * glares[7].sigma);
+        igi_observations_destroy(o);
+    }
 }
 
 /* A lens that is not clean: all photographs have the same share of their light strewn over them. */
@@ -312,9 +317,9 @@ static void a_common_veil(void)
 {
     igi_observations *o = observe();
     igi_glare common, own[12];
-    for (size_t f = 0; f < 12; f++) strew(o, f, .04);
+    for (size_t f = 0; f < 12; f++) strew(o, f, .04, true);
     expect_one(o, "of the light strayed over the photographs", "taken off");
-    for (size_t f = 0; f < 12; f++) CHECK_NEAR(o->veils[f], .04, .005);
+    for (size_t f = 0; f < 12; f++) CHECK_NEAR(o->veils[f].share, .04, .005);
     estimate_veils(o, &common, own);
     CHECK_NEAR(common.share, 0, 2 * common.sigma);
     igi_observations_destroy(o);
