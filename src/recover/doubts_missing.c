@@ -18,7 +18,7 @@ enum { LIGHTS = IGI_SHARES_LIGHTS, STEPS = 5, ROUNDS = 4, FIRST = 4, BEST = 6 };
 #define NEAREST 0.03      /* of its size: a bulb shines no brighter than from so far */
 #define BY_CHANCE 3.5     /* standard deviations of the best of the grid where nothing is missing */
 #define SURE 6.0          /* standard deviations that deserve a word, */
-#define SURE_REGIONS 3.0  /* and when regions are left out in turn, */
+#define SURE_REGIONS 4.0  /* and when regions are left out in turn, */
 #define WORTH_A_WORD .005 /* and a share of the light */
 
 /* Of a region, for one place: sums of weights, with d, d^2, and d with what is off and the shares. */
