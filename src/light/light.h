@@ -64,7 +64,12 @@ int igi_lighting_of_triangle(const igi_lighting *lighting, uint32_t triangle);
  * left the scene; adds to radiance[bands]. */
 void igi_lighting_add_emitted(const igi_lighting *lighting, igi_vec direction, const igi_hit *hit,
                               float *radiance);
-/* The part of that by one light, env or ambient, of a ray that left the scene; else nothing. */
+/* The same where `count` samples of each light look for its light too: of what the ray found, with
+ * this density, its share by the balance heuristic. What has no samples, as ambient light, is left
+ * whole; it alone with a count of INFINITY. */
+void igi_lighting_add_met(const igi_lighting *lighting, igi_vec point, igi_vec direction,
+                          const igi_hit *hit, float density, float count, float *radiance);
+/* The part of the emitted light by one light, env or ambient, of a ray that left the scene; else nothing. */
 void igi_light_add_sky(const igi_lighting *lighting, size_t light, igi_vec direction,
                        float *radiance);
 

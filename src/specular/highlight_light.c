@@ -61,6 +61,17 @@ static float lobes_density(const job *j, igi_vec in, igi_vec out)
     return (float)j->options->lobe_samples / 4 * igi_ward_pdf_sum(j->options->alphas, 4, in, out);
 }
 
+/* Of all samples of environments. */
+static float around_density(const job *j, igi_vec direction)
+{
+    static const igi_hit nothing = {.triangle = IGI_NO_HIT};
+    const igi_lighting *l = j->problem->lighting;
+    float density = 0;
+    for (size_t k = 0; k < igi_lighting_count(l); k++)
+        density += igi_light_pdf(l, k, igi_v(0, 0, 0), direction, &nothing);
+    return (float)j->options->lamp_samples * density;
+}
+
 /* Additive recurrences (Roberts 2018): of the plastic number for a direction, of square roots for
  * the place in the pixel. */
 static void pattern_at(const float start[4], int m, float x[4])
@@ -99,9 +110,17 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
         if (d->in.z <= 0) continue;
         igi_vec direction = igi_to_world(d->in, at.normal);
         igi_hit hit = igi_trace(p->tracer, at.point, direction);
-        d->weight = d->in.z / lobes_density(j, d->in, d->out);
-        s->rays += 1 + (uint64_t)igi_radiance_toward(j->source->field, at.point, direction, &hit,
-                                                     rng, s->incident + m * p->bands);
+        float density = lobes_density(j, d->in, d->out), *light = s->incident + m * p->bands;
+        d->weight = d->in.z / density;
+        s->rays++;
+        if (hit.triangle == IGI_NO_HIT) {
+            d->around = 1 + m / half;
+            igi_lighting_add_emitted(p->lighting, direction, &hit, light);
+            d->weight = d->in.z / (density + around_density(j, direction));
+        } else {
+            s->rays += (uint64_t)igi_radiance_toward(j->source->field, at.point, direction, &hit,
+                                                     rng, light);
+        }
     }
 }
 
@@ -139,6 +158,37 @@ static void sample_sharp(pixel_sets *s, int first)
         d->weight = d->in.z / (lamp + sharp_density(j, d->in, d->out));
         for (int b = 0; b < p->bands; b++)
             s->incident[(first + m) * p->bands + b] = (float)p->lights[light].value[b];
+    }
+}
+
+/* The directions of one environment: each carries all that is around the scene. */
+static void sample_around(pixel_sets *s, size_t light, int first, igi_rng *rng)
+{
+    static const igi_hit nothing = {.triangle = IGI_NO_HIT};
+    const job *j = s->j;
+    const igi_problem *p = j->problem;
+    igi_light_sample samples[MAX_LAMP_SAMPLES];
+    float start[4]; /* neither environments of one band each nor halves share their directions */
+    size_t count = 0, half = (size_t)j->options->lamp_samples / 2;
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < 4; i++) start[i] = igi_rng_float(rng);
+        count += igi_light_sample_set(p->lighting, light, s->v.point, half, start, samples + count);
+    }
+    for (size_t m = 0; m < count; m++) {
+        igi_direction_sample *d = &s->directions[first + (int)m];
+        float x[4];
+        pattern_at(start, (int)m, x);
+        place at = footprint_place(j, &s->v, x[2], x[3]);
+        d->out = at.out;
+        d->in = igi_to_local(samples[m].direction, at.normal);
+        if (d->in.z <= 0 || d->out.z <= 0) continue;
+        s->rays++;
+        if (igi_light_hidden(p->tracer, at.point, &samples[m])) continue;
+        d->around = 1 + (2 * m >= count);
+        d->weight = d->in.z /
+                    (lobes_density(j, d->in, d->out) + around_density(j, samples[m].direction));
+        igi_lighting_add_emitted(p->lighting, samples[m].direction, &nothing,
+                                 s->incident + (first + (int)m) * p->bands);
     }
 }
 
@@ -222,8 +272,11 @@ static uint64_t light_pixel(const job *j, size_t i)
     h->piece[i] = piece_of(j, s.v.point);
     for (int k = 0; k < 4; k++) s.start[k] = igi_rng_float(&rng);
     sample_lobes(&s, &rng);
-    for (size_t l = 0; l < j->source->rows->lights; l++)
-        sample_lamp(&s, l, j->options->lobe_samples + (int)l * j->options->lamp_samples);
+    for (size_t l = 0; l < j->source->rows->lights; l++) {
+        int first = j->options->lobe_samples + (int)l * j->options->lamp_samples;
+        if (j->problem->lights[l].type == IGI_LIGHT_ENV) sample_around(&s, l, first, &rng);
+        else sample_lamp(&s, l, first);
+    }
     sample_sharp(&s, h->samples - j->options->sharp_samples);
     return s.rays;
 }

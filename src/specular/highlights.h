@@ -10,7 +10,8 @@
  * tests agree; and directions from lobes narrower than a lamp's points lie apart, weighed together
  * with them (balance heuristic: a narrow lobe finds a lamp always or never, a broad one by chance,
  * which is noise). Surfaces are dim and smooth: directions from lobes of four roughnesses
- * (balance heuristic; Veach 1997). Each direction has its own place within the pixel, so that S is
+ * (balance heuristic; Veach 1997). An environment is both: bright as the sun, and smooth. The lobes'
+ * directions that leave the scene carry its light, weighed together with directions of its own. Each direction has its own place within the pixel, so that S is
  * the mean over the pixel's footprint.
  */
 #ifndef IGI_SRC_SPECULAR_HIGHLIGHTS_H
@@ -21,6 +22,7 @@
 typedef struct igi_direction_sample {
     igi_vec in, out; /* unit, in the frame of the surface */
     float weight;    /* cos(in) over the density of the whole set; 0: carries nothing */
+    int around;      /* 1 or 2, by half of its set: what it carries comes from around the scene */
 } igi_direction_sample;
 
 typedef struct igi_highlights {

@@ -87,15 +87,9 @@ static int add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, const
     float met[IGI_MAX_BANDS] = {0}, weight = in.z / pdf, *sum = surfaces;
     int rays = 1;
     if (hit.triangle == IGI_NO_HIT || is_lamp(p, hit.triangle)) {
-        if (!lamps) return rays;
-        sum = lamps;
-        igi_lighting_add_emitted(p->lighting, direction, &hit, met);
-        int light = hit.triangle == IGI_NO_HIT
-                        ? -1
-                        : igi_lighting_of_triangle(p->lighting, hit.triangle);
-        if (light >= 0)
-            weight *= pdf /
-                      (pdf + igi_light_pdf(p->lighting, (size_t)light, e->point, direction, &hit));
+        if (lamps) sum = lamps;
+        igi_lighting_add_met(p->lighting, e->point, direction, &hit, pdf, lamps ? 1 : INFINITY,
+                             met);
     } else {
         rays += add_met(f, e->point, direction, &hit, deep, rng, met);
     }

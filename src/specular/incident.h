@@ -37,7 +37,7 @@ int igi_radiance_toward(const igi_radiance_field *field, igi_vec origin, igi_vec
 
 /* One estimate of the lobe's radiance at `point` toward the unit vector `out`, per band, added to
  * `lamps` and to `surfaces` by where the light came from (they may be the same; lamps NULL: only what
- * surfaces send, as cameras saw them). Returns the rays it cost. */
+ * surfaces send, as cameras saw them, and what light no sample finds). Returns the rays it cost. */
 int igi_lobe_radiance(const igi_radiance_field *field, const igi_lobe *lobe, igi_vec point,
                       igi_vec normal, igi_vec out, igi_rng *rng, float *lamps, float *surfaces);
 

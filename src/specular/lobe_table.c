@@ -8,7 +8,8 @@
 
 #define PIXELS_A_TASK 64
 #define LANES IGI_LOBE_LANES
-#define PARTS 3 /* two halves of the directions from lobes, and those to lamps */
+/* Two halves of the directions to surfaces, two of those to what is around the scene, those to lamps. */
+#define PARTS 5
 
 typedef struct job {
     const igi_highlights *highlights;
@@ -41,14 +42,21 @@ static void clear_workspace(workspace *w)
     igi_free(w->light);
 }
 
-/* Adds the directions begin..end of pixel i. */
-static void add_part(workspace *w, const igi_highlights *h, size_t i, int begin, int end)
+static int part_of(const igi_highlights *h, int m, const igi_direction_sample *d)
+{
+    if (d->around) return 1 + d->around;
+    if (m >= h->lobe_samples) return 4;
+    return m >= h->lobe_samples / 2;
+}
+
+/* Adds the directions of pixel i that belong to the part. */
+static void add_part(workspace *w, const igi_highlights *h, size_t i, int part)
 {
     size_t bands = (size_t)h->bands, room = w->pairs.room;
-    for (int m = begin; m < end; m++) {
+    for (int m = 0; m < h->samples; m++) {
         size_t at = i * (size_t)h->samples + (size_t)m, k = w->pairs.count;
         const igi_direction_sample *d = &h->directions[at];
-        if (!(d->weight > 0 && d->in.z > 0 && d->out.z > 0)) continue;
+        if (!(d->weight > 0 && d->in.z > 0 && d->out.z > 0) || part_of(h, m, d) != part) continue;
         igi_lobe_pairs_add(&w->pairs, d->in, d->out);
         for (size_t b = 0; b < bands; b++)
             w->light[b * room + k] = d->weight * h->incident[at * bands + b];
@@ -73,10 +81,9 @@ static void part_schlick(workspace *w, size_t bands)
 
 static void take_pixel(workspace *w, const igi_highlights *h, size_t i)
 {
-    const int ends[PARTS + 1] = {0, h->lobe_samples / 2, h->lobe_samples, h->samples};
     w->pairs.count = w->begin[0] = 0;
     for (int part = 0; part < PARTS; part++) {
-        add_part(w, h, i, ends[part], ends[part + 1]);
+        add_part(w, h, i, part);
         w->begin[part + 1] = w->pairs.count;
     }
     igi_lobe_pairs_prepare(&w->pairs);
@@ -104,9 +111,10 @@ static void tabulate_column(workspace *w, const igi_lobe_table *t, size_t a, siz
         float part[PARTS];
         for (int k = 0; k < PARTS; k++)
             part[k] = product(p->values + begin[k], light + begin[k], begin[k + 1] - begin[k]);
-        t->scale[to + b] = part[0] + part[1] + part[2];
-        t->lamps[to + b] = part[2];
-        t->noise[to + b] = (part[0] - part[1]) * (part[0] - part[1]);
+        float first = part[0] + part[2], second = part[1] + part[3];
+        t->scale[to + b] = first + second + part[4];
+        t->lamps[to + b] = part[2] + part[3] + part[4];
+        t->noise[to + b] = (first - second) * (first - second);
         if (t->base) t->base[to + b] = product(p->values, w->schlick + b * p->room, p->count);
     }
 }

@@ -12,33 +12,53 @@
 #define GLANCE_WIDTH 1.5f
 #define GLANCE_SHARE 1e-4f
 
-/* The lamps in a sharp lobe, by rays of the lobe. */
-static void add_mirrored(const igi_problem *p, const igi_lobe *lobe, igi_vec point, igi_vec normal,
-                         igi_vec out, float *radiance)
-{
-    for (int k = 0; k < LOBE_SAMPLES; k++) {
-        float u = ((float)k + 0.5f) / LOBE_SAMPLES, v = (float)k * 0.6180339887f, scale, base;
-        igi_vec in = igi_lobe_sample(lobe->model, lobe->alpha, out, u, v - floorf(v));
-        float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, out);
-        if (in.z <= 0 || !(pdf > 0)) continue;
-        igi_hit hit = igi_trace(p->tracer, point, igi_to_world(in, normal));
-        if (hit.triangle == IGI_NO_HIT || hit.back) continue;
-        int light = igi_lighting_of_triangle(p->lighting, hit.triangle);
-        if (light < 0) continue;
-        igi_lobe_terms(lobe->model, lobe->alpha, in, out, &scale, &base);
-        float carried = in.z / (pdf * LOBE_SAMPLES);
-        for (int b = 0; b < p->bands; b++)
-            radiance[b] += (lobe->specular[b] * scale + base) * carried *
-                           (float)p->lights[light].value[b];
-    }
-}
-
 /* A place that a lobe is seen at. */
 typedef struct lobe_place {
     const igi_problem *problem;
     const igi_lobe *lobe;
     igi_vec point, normal, out; /* out in the frame of the normal */
 } lobe_place;
+
+static bool is_around(const igi_light *light)
+{
+    return light->type == IGI_LIGHT_ENV || light->type == IGI_LIGHT_AMBIENT;
+}
+
+/* What rays of the lobe meet of the lights: what is around the scene, and of a sharp lobe lamps. */
+static void add_mirrored(const lobe_place *at, float *radiance)
+{
+    const igi_problem *p = at->problem;
+    const igi_lobe *lobe = at->lobe;
+    bool sharp = lobe->alpha < IGI_SHARP_ALPHA, wanted = sharp;
+    for (size_t l = 0; l < p->light_count; l++) wanted |= is_around(&p->lights[l]);
+    for (int k = 0; wanted && k < LOBE_SAMPLES; k++) {
+        float u = ((float)k + 0.5f) / LOBE_SAMPLES, v = (float)k * 0.6180339887f, scale, base;
+        igi_vec in = igi_lobe_sample(lobe->model, lobe->alpha, at->out, u, v - floorf(v));
+        float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, at->out);
+        if (in.z <= 0 || !(pdf > 0)) continue;
+        igi_vec direction = igi_to_world(in, at->normal);
+        igi_hit hit = igi_trace(p->tracer, at->point, direction);
+        float met[IGI_MAX_BANDS] = {0}, carried = in.z / (pdf * LOBE_SAMPLES);
+        if (hit.triangle == IGI_NO_HIT)
+            igi_lighting_add_met(p->lighting, at->point, direction, &hit, pdf * LOBE_SAMPLES,
+                                 LAMP_SAMPLES, met);
+        else if (sharp) igi_lighting_add_emitted(p->lighting, direction, &hit, met);
+        igi_lobe_terms(lobe->model, lobe->alpha, in, at->out, &scale, &base);
+        for (int b = 0; b < p->bands; b++)
+            radiance[b] += (lobe->specular[b] * scale + base) * carried * met[b];
+    }
+}
+
+/* How much of a sample counts: of an environment nothing where something is in between, and beside the
+ * lobe's own rays its share. */
+static float share_of(const lobe_place *at, size_t light, const igi_light_sample *sample,
+                      igi_vec in, float visible)
+{
+    if (at->problem->lights[light].type != IGI_LIGHT_ENV) return visible;
+    float own = LAMP_SAMPLES * sample->pdf;
+    float lobes = LOBE_SAMPLES * igi_lobe_pdf(at->lobe->model, at->lobe->alpha, in, at->out);
+    return igi_light_hidden(at->problem->tracer, at->point, sample) ? 0 : own / (own + lobes);
+}
 
 /* One lamp by so many points, as if the lobe had the roughness alpha. */
 static void add_lamp(const lobe_place *at, size_t light, float alpha, size_t count, float visible,
@@ -53,7 +73,8 @@ static void add_lamp(const lobe_place *at, size_t light, float alpha, size_t cou
         float scale, base;
         if (in.z <= 0) continue;
         igi_lobe_terms(at->lobe->model, alpha, in, at->out, &scale, &base);
-        float carried = visible * in.z * samples[k].weight;
+        float share = share_of(at, light, &samples[k], in, visible);
+        float carried = share * in.z * samples[k].weight;
         for (int b = 0; b < p->bands; b++)
             radiance[b] += (at->lobe->specular[b] * scale + base) * carried *
                            igi_light_sample_value(&p->lights[light], &samples[k], b);
@@ -95,13 +116,14 @@ static void add_lamps(const igi_lobe_view *view, const igi_problem *problem, con
     if (hit->back) normal = igi_scale(normal, -1);
     igi_vec out = igi_to_local(igi_normalize(igi_sub(eye, point)), normal);
     lobe_place at = {p, lobe, point, normal, out};
-    bool sharp = lobe->alpha < IGI_SHARP_ALPHA && out.z > 0;
-    if (sharp) add_mirrored(p, lobe, point, normal, out, lamps);
+    if (out.z <= 0) return;
+    add_mirrored(&at, lamps);
     for (size_t l = 0; l < view->rows->lights; l++) {
         float open = view->rows->open[row * view->rows->lights + l];
         float visible = open > 0 ? view->rows->direct[row * view->rows->lights + l] / open : 0;
-        if (!(visible > 0) || (sharp && p->lights[l].type == IGI_LIGHT_AREA)) continue;
-        if (p->lights[l].type == IGI_LIGHT_AREA && is_elsewhere(&at, l, side)) continue;
+        bool area = p->lights[l].type == IGI_LIGHT_AREA;
+        if (!(visible > 0) || (area && lobe->alpha < IGI_SHARP_ALPHA)) continue;
+        if (area && is_elsewhere(&at, l, side)) continue;
         add_lamp(&at, l, lobe->alpha, LAMP_SAMPLES, visible, lamps);
     }
 }

@@ -289,6 +289,13 @@ static int lamp_points(float alpha)
     return (int)fminf(MOST_LAMP_POINTS, fmaxf(MOST_LAMP_POINTS / 2, LAMP_POINTS_ALPHA / alpha));
 }
 
+static bool is_surrounded(const igi_problem *p)
+{
+    for (size_t l = 0; l < p->light_count; l++)
+        if (p->lights[l].type == IGI_LIGHT_ENV) return true;
+    return false;
+}
+
 /* First which model, then how much of it, by the same pixels and more. */
 static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
 {
@@ -307,6 +314,10 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
     igi_lobe_estimate *e = &s->specular->estimates[r], before = *e, first;
     igi_highlight_scores scores;
     igi_highlights *few = NULL, *more = NULL;
+    if (is_surrounded(p)) { /* windows' edges in a narrow lobe: noise of S draws alpha down */
+        options.lobe_samples = 256;
+        options.lamp_samples = 192;
+    }
     order_models(p, models);
     IGI_TRY(score_pixels(ctx, s, r, REFINE_SCORED, options.alphas, &scores));
     IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, NULL, &few));

@@ -186,16 +186,11 @@ static void link_along(const job *j, const view *v, igi_vec in, igi_rng *rng, ig
     if (in.z <= 0) return;
     igi_vec direction = igi_to_world(in, v->normal);
     igi_hit hit = igi_trace(p->tracer, v->point, direction);
-    float of_lamps = 0;
-    int light = -1;
-    if (hit.triangle != IGI_NO_HIT) light = igi_lighting_of_triangle(p->lighting, hit.triangle);
-    if (light >= 0)
-        of_lamps = LAMP_LINKS *
-                   igi_light_pdf(p->lighting, (size_t)light, v->point, direction, &hit);
-    link->weight = in.z / (density(in, v->out) + of_lamps);
+    float own = density(in, v->out);
+    link->weight = in.z / own;
     (void)igi_radiance_toward(j->field, v->point, direction, &hit, rng, link->incident);
     for (int b = 0; b < p->bands; b++) irradiance[b] += link->weight * link->incident[b];
-    igi_lighting_add_emitted(p->lighting, direction, &hit, link->incident);
+    igi_lighting_add_met(p->lighting, v->point, direction, &hit, own, LAMP_LINKS, link->incident);
 }
 
 static void link_to_lamp(const job *j, const view *v, size_t light, igi_rng *rng,

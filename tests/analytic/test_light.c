@@ -270,6 +270,8 @@ static void ambient(void)
     float radiance[1] = {2};
     igi_lighting_add_emitted(r->lighting, up, &miss, radiance);
     CHECK_NEAR((double)radiance[0], 3, 0);
+    igi_lighting_add_met(r->lighting, igi_v(0, 0, 1.5f), up, &miss, 0.1f, INFINITY, radiance);
+    CHECK_NEAR((double)radiance[0], 4, 0); /* no sample finds it */
     put_out(r);
 }
 
@@ -371,6 +373,9 @@ static void environment(void)
                        (double)s.pdf, 1e-6);
             igi_light_add_sky(r->lighting, 0, s.direction, radiance);
             CHECK(radiance[0] == 2 && s.tint[0] == 2 && isinf(s.distance));
+            igi_lighting_add_met(r->lighting, igi_v(0, 0, 0), s.direction, &miss, 3 * s.pdf, 2,
+                                 radiance);
+            CHECK_NEAR((double)radiance[0], 2 + 2 * 3 / (3 + 2.), 1e-5);
         }
         double open = 0, carried = 0; /* as recovery looks for the light */
         for (int k = 0; k < 4096; k++) {
