@@ -102,8 +102,8 @@ static void print_table(const igi_materials *materials, const char *output)
     int bands = materials->bands;
     bool lobes = has_lobes(materials);
     cli_print_padded("region", width);
-    printf("  model    %-*s   1 sigma%s  observed  views\n", 7 * bands, "albedo",
-           lobes ? "  specular   alpha" : "");
+    printf("  model    %-*s   1 sigma%s  observed  views\n", 7 * bands,
+           bands == 3 ? "albedo R, G, B" : "albedo", lobes ? "  specular   alpha" : "");
     for (size_t i = 0; i < materials->count; i++) {
         const igi_material *m = &materials->materials[i];
         if (m->emitter) continue;

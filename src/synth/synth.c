@@ -3,63 +3,20 @@
  * A spec becomes a scene folder. Mesh, cameras, lights and maps are written first and read again,
  * so that what is rendered is what stands in the files, to the last digit.
  */
-#include "synth/synth.h"
+#include "synth/maker.h"
+
 #include "base/file.h"
-
-#include "synth/photos.h"
-
-#include "render/render.h"
-#include "scene/scene_parts.h"
 #include "scene/mesh.h"
+#include "scene/scene_parts.h"
 
 #include <igi/image.h>
-#include <igi/scene.h>
 
-#include <errno.h>
 #include <string.h>
-#include <sys/stat.h>
-
-typedef struct maker {
-    igi_context *ctx;
-    const char *folder;
-    const char *basis; /* of the camera's response, or NULL */
-    bool photos;       /* images/ as a camera would have delivered them */
-    spec spec;
-    igi_scene *scene;
-    igi_tracer *tracer;
-    size_t *highlight; /* [regions] pixels that show one */
-} maker;
-
-/* The lights that are on, and what the progress calls the work. */
-typedef struct lit_by {
-    const char *stage;
-    const igi_light *lights;
-    size_t count;
-} lit_by;
-
-/* folder/name made from a format; the caller's. */
-static igi_status path_in(const maker *m, const char *name, char **path)
-{
-    return igi_strprintf(m->ctx, path, "%s/%s", m->folder, name);
-}
-
-static igi_status make_folder(const maker *m, const char *name)
-{
-    char *path = NULL;
-    IGI_TRY(path_in(m, name, &path));
-    igi_status status = IGI_OK;
-    if (mkdir(path, 0777) != 0 && errno != EEXIST)
-        status = igi_fail(m->ctx, IGI_E_SYSTEM,
-                          "%s: cannot be made (%s); check the folder above it", path,
-                          strerror(errno));
-    igi_free(path);
-    return status;
-}
 
 static igi_status write_mesh(maker *m)
 {
     char *path = NULL;
-    igi_status status = path_in(m, "scene.obj", &path);
+    igi_status status = maker_path(m, "scene.obj", &path);
     if (status == IGI_OK) status = shapes_save(m->ctx, &m->spec, path);
     if (status == IGI_OK) status = igi_mesh_load(m->ctx, m->scene, path);
     igi_free(path);
@@ -111,7 +68,7 @@ static igi_status write_manifest(const maker *m)
     if (m->photos) forget_radiance(lights);
     root = json_pack("{si ss ss ss sO sO}", "igi", 1, "name", m->spec.name, "mesh", "scene.obj",
                      "cameras", "transforms.json", "lights", lights, "regions", regions);
-    IGI_TRY_GOTO(path_in(m, "scene.json", &path));
+    IGI_TRY_GOTO(maker_path(m, "scene.json", &path));
     IGI_TRY_GOTO(igi_file_save_json(m->ctx, path, root, 9));
 cleanup:
     igi_free(path);
@@ -149,105 +106,11 @@ static igi_status make_maps(maker *m)
     bool any = false;
     for (size_t i = 0; i < m->spec.materials->count; i++) {
         if (m->spec.textures[i].kind == TEXTURE_NONE) continue;
-        if (!any) IGI_TRY(make_folder(m, "truth/albedo"));
+        if (!any) IGI_TRY(maker_folder(m, "truth/albedo"));
         any = true;
         IGI_TRY(make_map(m, i));
     }
     return IGI_OK;
-}
-
-static igi_status save_pictures(const maker *m, const char *folder, igi_image **pictures,
-                                size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        char *path = NULL;
-        IGI_TRY(igi_strprintf(m->ctx, &path, "%s/%simages/%04zu.exr", m->folder, folder, i));
-        igi_status status = igi_image_save_exr(m->ctx, pictures[i], IGI_EXR_HALF, path);
-        igi_free(path);
-        IGI_TRY(status);
-    }
-    return IGI_OK;
-}
-
-static bool raw_photos(const maker *m, const char *folder)
-{
-    return m->photos && !folder[0];
-}
-
-static igi_status save_photos(const maker *m, const igi_camera *camera, igi_image **pictures,
-                              size_t count)
-{
-    char *path = NULL;
-    igi_status status = make_folder(m, "photos");
-    if (status == IGI_OK) status = path_in(m, "photos", &path);
-    if (status == IGI_OK) status = photos_save(m->ctx, path, camera, m->basis, pictures, count);
-    igi_free(path);
-    return status;
-}
-
-/* Renders the frames into `folder` ("" or "NAME/"). */
-static igi_status take_pictures(maker *m, const char *folder, const view_set *views,
-                                const lit_by *by, const igi_camera *cameras, size_t count)
-{
-    igi_status status = IGI_OK;
-    igi_renderer *renderer = NULL;
-    igi_image **pictures = NULL;
-    igi_render_options options;
-    igi_render_options_init(&options);
-    options.samples = views->samples;
-    IGI_TRY_GOTO(IGI_ALLOC(m->ctx, count, &pictures));
-    for (size_t i = 0; i < count; i++)
-        IGI_TRY_GOTO(
-            igi_image_create(m->ctx, views->width, views->height, m->scene->bands, &pictures[i]));
-    IGI_TRY_GOTO(
-        igi_renderer_create(m->ctx, m->scene, m->spec.materials, by->lights, by->count, &renderer));
-    igi_stage_begin(m->ctx, by->stage);
-    IGI_TRY_GOTO(igi_renderer_frames(m->ctx, renderer, cameras, count, &options, views->seed,
-                                     &(igi_layers){.pictures = pictures}));
-    if (!folder[0] && m->spec.highlights)
-        IGI_TRY_GOTO(highlights_count(m->ctx, m->scene, m->tracer, m->spec.materials, cameras,
-                                      count, pictures, m->highlight));
-    IGI_TRY_GOTO(raw_photos(m, folder) ? save_photos(m, &cameras[0], pictures, count)
-                                       : save_pictures(m, folder, pictures, count));
-cleanup:
-    for (size_t i = 0; pictures && i < count; i++) igi_image_destroy(pictures[i]);
-    igi_free(pictures);
-    igi_renderer_destroy(renderer);
-    return status;
-}
-
-/* One set of views with its cameras and pictures; *cameras may be asked for. */
-static igi_status make_views(maker *m, const char *folder, const view_set *views, const lit_by *by,
-                             igi_camera **cameras, size_t *camera_count)
-{
-    igi_status status = IGI_OK;
-    igi_camera *chosen = NULL;
-    igi_frame *frames = NULL;
-    char *path = NULL, *images = NULL;
-    size_t count = 0;
-    IGI_TRY_GOTO(igi_strprintf(m->ctx, &images, "%simages", folder));
-    IGI_TRY_GOTO(make_folder(m, folder));
-    IGI_TRY_GOTO(make_folder(m, images));
-    IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%s/%stransforms.json", m->folder, folder));
-    IGI_TRY_GOTO(views_choose(m->ctx, views, m->scene, m->tracer, &chosen, &count));
-    IGI_TRY_GOTO(views_save(m->ctx, chosen, count, path));
-    IGI_TRY_GOTO(igi_frames_load(m->ctx, path, &frames, &count));
-    for (size_t i = 0; i < count; i++) {
-        chosen[i] = frames[i].camera;
-        if (raw_photos(m, folder)) photos_distort(&chosen[i]);
-    }
-    IGI_TRY_GOTO(take_pictures(m, folder, views, by, chosen, count));
-    if (cameras) {
-        *cameras = chosen;
-        *camera_count = count;
-        chosen = NULL;
-    }
-cleanup:
-    igi_free(chosen);
-    igi_frames_destroy(frames, count);
-    igi_free(path);
-    igi_free(images);
-    return status;
 }
 
 static igi_status make_relit(maker *m, size_t number)
@@ -262,8 +125,8 @@ static igi_status make_relit(maker *m, size_t number)
                         : igi_strdup(m->ctx, "relit/", &name));
     IGI_TRY_GOTO(igi_lights_read(m->ctx, &set->lights, m->scene, &lights, &count));
     lit_by by = {"relit views", lights, count};
-    IGI_TRY_GOTO(make_views(m, name, &set->views, &by, NULL, NULL));
-    IGI_TRY_GOTO(path_in(m, name, &folder));
+    IGI_TRY_GOTO(maker_views(m, name, &set->views, &by, NULL, NULL));
+    IGI_TRY_GOTO(maker_path(m, name, &folder));
     IGI_TRY_GOTO(lights_keep(m->ctx, &set->lights, folder, &kept));
     root = json_pack("{sO}", "lights", kept);
     IGI_TRY_GOTO(igi_strprintf(m->ctx, &path, "%slights.json", folder));
@@ -285,8 +148,8 @@ static igi_status make_scene(maker *m)
     size_t count = 0;
     char *path = NULL;
     igi_status status = IGI_OK;
-    IGI_TRY_GOTO(make_folder(m, ""));
-    IGI_TRY_GOTO(make_folder(m, "truth"));
+    IGI_TRY_GOTO(maker_folder(m, ""));
+    IGI_TRY_GOTO(maker_folder(m, "truth"));
     IGI_TRY_GOTO(write_mesh(m));
     scene->bands = m->spec.materials->bands;
     IGI_TRY_GOTO(read_lights(m));
@@ -295,13 +158,13 @@ static igi_status make_scene(maker *m)
     IGI_TRY_GOTO(igi_tracer_create(m->ctx, &scene->mesh, &m->tracer));
     if (m->spec.highlights) IGI_TRY_GOTO(IGI_ALLOC(m->ctx, scene->region_count, &m->highlight));
     lit_by by = {"photographs", scene->lights, scene->light_count};
-    IGI_TRY_GOTO(make_views(m, "", &m->spec.views, &by, &cameras, &count));
-    IGI_TRY_GOTO(path_in(m, "truth/truth.json", &path));
+    IGI_TRY_GOTO(maker_views(m, "", &m->spec.views, &by, &cameras, &count));
+    IGI_TRY_GOTO(maker_path(m, "truth/truth.json", &path));
     shown views = {cameras, count, m->highlight};
     IGI_TRY_GOTO(truth_save(m->ctx, &m->spec, scene, m->tracer, &views, path));
     by.stage = "held-out views";
     if (m->spec.has_heldout)
-        IGI_TRY_GOTO(make_views(m, "heldout/", &m->spec.heldout, &by, NULL, NULL));
+        IGI_TRY_GOTO(maker_views(m, "heldout/", &m->spec.heldout, &by, NULL, NULL));
     for (size_t i = 0; i < m->spec.relit_count; i++) IGI_TRY_GOTO(make_relit(m, i));
 cleanup:
     igi_free(cameras);
