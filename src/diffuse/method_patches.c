@@ -24,6 +24,8 @@
 #include "diffuse/powers.h"
 #include "diffuse/region_sums.h"
 
+#include <float.h>
+
 #define DEFAULT_RAYS 64
 #define FEWEST_RAYS 8
 #define RAYS_TIMES_ERROR 0.11 /* what usually suffices */
@@ -37,6 +39,7 @@
  * by then they change by less than a millionth. */
 #define SETTLED 1e-3
 #define ALBEDO_COUNTS 1000
+#define FAINT 1e-3 /* of the mean radiance */
 
 typedef struct solver {
     const igi_problem *problem;
@@ -49,6 +52,7 @@ typedef struct solver {
     double (*albedo)[IGI_MAX_BANDS];
     igi_powers *powers; /* of lights whose value is solved for; NULL: none is */
     const igi_correction *correction;
+    double faint; /* radiance beside which changes of unseen sides are judged */
 } solver;
 
 static void gather_row(const solver *s, size_t row)
@@ -67,7 +71,7 @@ static double update_unseen(const solver *s, size_t row)
     for (size_t b = 0; b < s->bands; b++) {
         float *radiance = &s->radiance[side * s->bands + b];
         float updated = (float)(albedo[b] / IGI_PI) * s->irradiance[row * s->bands + b];
-        change = fmax(change, fabs((double)(updated - *radiance)) / (1e-3 + (double)updated));
+        change = fmax(change, fabs((double)(updated - *radiance)) / (s->faint + (double)updated));
         *radiance = updated;
     }
     return change;
@@ -111,8 +115,9 @@ static double sweep(const solver *s, igi_region_sums *sums)
 }
 
 /* What was seen, less the lobes' part of it. */
-static void fill_seen(const solver *s)
+static void fill_seen(solver *s)
 {
+    double sum = 0, values = (double)(s->rows->seen_count * s->bands);
     for (size_t i = 0; i < s->rows->seen_count; i++) {
         uint32_t side = s->rows->side[i];
         if (s->correction) s->places.weight[i] *= s->correction->trust[side];
@@ -120,8 +125,10 @@ static void fill_seen(const solver *s)
             size_t k = side * s->bands + b;
             s->radiance[k] = s->problem->seen[k] - (s->correction ? s->correction->seen[k] : 0);
             s->places.radiance[i * s->bands + b] = s->radiance[k];
+            sum += (double)s->problem->seen[k];
         }
     }
+    s->faint = FAINT * fmax(sum / fmax(values, 1), DBL_MIN);
 }
 
 /* By how much irradiance is off where all guesses are, by one standard deviation, together: of each

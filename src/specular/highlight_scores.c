@@ -6,6 +6,7 @@
 
 #define LAMP_POINTS 4     /* places on each lamp that a score looks at */
 #define SCORE_ALPHA 0.03f /* lobes are scored as broad at least: the lamp's points lie apart */
+#define DARKEST 1e-6f     /* what a surface shows at least, of what it receives */
 #define CANDIDATES_A_TASK 512
 
 typedef struct job {
@@ -43,7 +44,7 @@ static void add_lamp(const job *j, size_t light, size_t candidate, batch *to)
     igi_pixel_view v = igi_pixel_view_of(p, observation);
     igi_vec out = igi_to_local(v.out, v.normal);
     if (out.z <= 0.05f) return;
-    float diffuse = 1e-6f;
+    float diffuse = DARKEST * received;
     for (size_t b = 0; b < bands; b++) diffuse += f->total[side * bands + b] / (float)p->bands;
     igi_light_sample samples[LAMP_POINTS];
     const float start[2] = {0.5f, 0.5f};

@@ -43,6 +43,18 @@ for name, r in old["regions"].items():
 PY
     [ ! -s problems ] || fail "$(cat problems)"
 done
+
+# Sixteen times the light is the same room to the last bit: no number of igi's has the unit of radiance.
+sed 's/"radiance": \[6, 6, 6\]/"radiance": [96, 96, 96]/' "$tests/cli/mini.json" >bright.json
+expect 0 'photographs' "$igi" synth bright.json -o bright
+expect 0 "" "$igi" recover -q bright -o bright.out
+python3 - >problems 2>&1 <<'PY'
+import json
+old, new = [json.load(open(p + ".out/materials.json")) for p in ("room", "bright")]
+if old["regions"] != new["regions"]: print("not alike:", old["regions"], new["regions"])
+PY
+[ ! -s problems ] || fail "$(cat problems)"
+
 python3 move.py survey 1 0 4000000 || fail "cannot be moved"
 expect 3 'survey/scene.obj: the mesh is 3 m large and lies 4e\+06 m from the origin.*take \(' \
     "$igi" recover -q survey -o survey.out
