@@ -27,10 +27,6 @@
 #define STRAIGHT .12
 /* A lens scatters lamps' light about them, and saturated pixels are cut: pixels. */
 #define LAMP_SIGMA .2
-/* Light falls off into a corner, and shadows lie in it: an edge where two surfaces meet at less than a
- * half turn may be seen off by a pixel as a whole (in rooms with right cameras one of ten lies off by .2
- * to .6 pixels; of outlines and outer edges by .1). */
-#define CORNER_SIGMA .4
 /* Rows (columns) that are looked along: each, but of large photographs so many; of those, at first
  * one of so many. */
 #define MOST_ROWS 400
@@ -271,7 +267,6 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     igi_edge_site *site = &grown[sites->count++];
     int a = f->axis, b = 1 - f->axis;
     const igi_hit *nearer = nearer_of(&edge);
-    double corner = is_corner(f, &edge) ? CORNER_SIGMA : 0;
     site->point = point_of(f, nearer);
     site->region = f->search->scene->mesh.regions[nearer->triangle];
     site->seen[a] = seen + s.first;
@@ -279,7 +274,8 @@ static igi_status add_site(igi_context *ctx, finder *f, int along, int across,
     site->normal[a] = norm;
     site->normal[b] = -s.slope * norm;
     site->offset = (seen + s.first - s.place) * norm;
-    site->sigma = hypot(hypot(sigma, corner), lit ? LAMP_SIGMA : 0) * norm;
+    site->sigma = hypot(sigma, lit ? LAMP_SIGMA : 0) * norm;
+    site->corner = is_corner(f, &edge);
     return IGI_OK;
 }
 

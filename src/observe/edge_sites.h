@@ -16,6 +16,7 @@ typedef struct igi_edge_site {
     double normal[2]; /* unit, across the edge */
     double offset;    /* of `seen` from where the mesh has it, along the normal */
     double sigma;     /* of the offset, pixels */
+    bool corner;      /* two surfaces meet there at less than a half turn (IGI_CORNER_ERROR) */
 } igi_edge_site;
 
 typedef struct igi_edge_sites {
@@ -29,6 +30,10 @@ typedef struct igi_edge_sites {
 #define IGI_SITES_AS_ONE .1
 /* Beside the noise: meshes are not that exact, and shading is not that linear. pixels */
 #define IGI_SITE_ERROR .05
+/* Light falls off into a corner, and shadows lie in it: such an edge may be seen off by a pixel as a whole,
+ * where the camera is right. This is for the question whether it is; one that is off is placed by its
+ * corners, too. */
+#define IGI_CORNER_ERROR .4
 
 typedef struct igi_edge_search {
     const igi_scene *scene;

@@ -35,7 +35,7 @@ typedef struct fit {
 
 static double weight_of(const igi_edge_site *s)
 {
-    return 1 / hypot(s->sigma, IGI_SITE_ERROR);
+    return 1 / hypot(s->sigma, s->corner ? IGI_CORNER_ERROR : IGI_SITE_ERROR);
 }
 
 static void row_of(const fit *f, const igi_edge_site *s, double row[NUMBERS])
