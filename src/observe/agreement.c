@@ -259,15 +259,25 @@ static void judge_frame(const session *s, igi_frame_agreement *out)
     out->dark = (all.dark - dark) / all.places;
 }
 
+static double unevenness(const session *s, size_t frame)
+{
+    size_t n = 0;
+    for (size_t k = s->by_frame[frame]; k < s->by_frame[frame + 1]; k++)
+        s->values[n++] = (double)s->g->glimpses[s->of_frame[k]].error;
+    return igi_median(s->values, n);
+}
+
 static void judge(session *s, igi_agreement *a)
 {
     for (size_t f = 0; f < s->frames; f++) {
+        a->frames[f].uneven = unevenness(s, f);
         judge_regions(s, f);
         judge_frame(s, &a->frames[f]);
     }
     a->typical_share = median_over_frames(s, a, offsetof(igi_frame_agreement, contradicts));
     a->typical_darker = median_over_frames(s, a, offsetof(igi_frame_agreement, darker));
     a->typical_dark = median_over_frames(s, a, offsetof(igi_frame_agreement, dark));
+    a->typical_uneven = median_over_frames(s, a, offsetof(igi_frame_agreement, uneven));
 }
 
 igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,

@@ -18,6 +18,7 @@ typedef struct igi_frame_agreement {
     double contradictions; /* how many these are */
     double darker;         /* share of all places at which it shows less light than the others, */
     double dark;           /* or less than a third, and not in one region alone */
+    double uneven; /* standard error of what it shows of a place, by its pixels: the median */
 } igi_frame_agreement;
 
 typedef struct igi_agreement {
@@ -25,6 +26,7 @@ typedef struct igi_agreement {
     igi_frame_agreement *frames;
     double gain_spread; /* robust standard deviation of ln gain over the photographs */
     double typical_share, typical_darker, typical_dark; /* medians of these three */
+    double typical_uneven;
 } igi_agreement;
 
 IGI_MUST_USE igi_status igi_agreement_create(igi_context *ctx, const igi_scene *scene,

@@ -26,6 +26,8 @@
 #define GAIN_SPREADS 6.0
 #define GAIN_SIGMAS 6.0
 #define GAIN_MOST 2.1    /* ln 8: whatever it shows, it is not the room */
+#define UNEVEN 0.08      /* nor is what varies so much over places that vary little: */
+#define UNEVEN_TIMES 3.0 /* the pixels of a garbled file */
 #define DRIFT 0.02       /* of all, */
 #define DRIFT_SIGMAS 4.0 /* and so many errors of a gain */
 #define FEWEST_PLACES 20
@@ -70,7 +72,8 @@ static void find_contradictions(const igi_agreement *a, igi_faults *f)
         bool is_dark = darker >= FEWEST_CONTRADICTIONS &&
                        (frame->darker > DARKER + 3 * a->typical_darker ||
                         frame->dark > DARK + 3 * a->typical_dark);
-        bool is_other = fabs(log(frame->gain)) > GAIN_MOST;
+        bool is_other = fabs(log(frame->gain)) > GAIN_MOST ||
+                        frame->uneven > fmax(UNEVEN, UNEVEN_TIMES * a->typical_uneven);
         f->frames[i].contradicts = differs || is_dark || is_other;
         f->frames[i].plainly = is_other || (differs && frame->contradicts > PLAINLY);
         f->contradicting += f->frames[i].contradicts;

@@ -11,7 +11,9 @@
 #include <math.h>
 
 #define FEWEST 5
-#define CLEAR 16.8 /* six numbers gain so much by chance, of a hundred once */
+/* What cameras gain that would move: six numbers gain so much by chance, of a hundred once. Where none
+ * would, shadows still have things gain. */
+#define CLEAR 16.8
 /* Over all cameras, so much of what edges gain must be gained by the prediction of the other regions'. */
 #define PREDICTED .5
 
@@ -106,18 +108,17 @@ igi_status register_judge(igi_context *ctx, register_job *j)
     account cameras = {0, 0}, things = {0, 0};
     edge_lines lines = {.as_one = fmax(1, IGI_SITES_AS_ONE * j->scene->frames[0].camera.height),
                         .expected_px = fmax(.5, typical)};
-    if (j->which) return IGI_OK;
     for (size_t i = 0; i < j->scene->frame_count; i++) {
         gain += j->evidence[i].gain;
         most += j->evidence[i].most;
         count += j->evidence[i].sites.count;
     }
+    if (j->which || most < CLEAR) return IGI_OK;
     IGI_TRY(IGI_ALLOC(ctx, count, &lines.lines));
     judge_cameras(j, &lines, &cameras);
     judge_things(j, &lines, &things);
     igi_free(lines.lines);
-    j->out->mesh_is_off = (things.gain > cameras.gain && things.gain > CLEAR) ||
-                          gain < PREDICTED * most;
+    j->out->mesh_is_off = things.gain > cameras.gain || gain < PREDICTED * most;
     if (j->out->mesh_is_off) put_back(j);
     return IGI_OK;
 }
