@@ -156,6 +156,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
         diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, m, diffuse, &r));
     IGI_TRY_GOTO(igi_doubt_lamps(ctx, p, m, &lamps_off));
+    for (size_t i = 0; i < m->count; i++) diffuse[i] = r->regions[i].calm; /* no lobe was missed */
     if (!(p->options->target_error > 0))
         IGI_TRY_GOTO(igi_light_shares_create(ctx, p, field, m, diffuse, &survey));
     if (survey) IGI_TRY_GOTO(igi_doubt_powers(ctx, survey, m, powers_off));

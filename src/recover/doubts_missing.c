@@ -19,7 +19,7 @@ enum { LIGHTS = IGI_SHARES_LIGHTS, STEPS = 5, ROUNDS = 4, FIRST = 4, BEST = 6 };
 #define BY_CHANCE 3.5     /* standard deviations of the best of the grid where nothing is missing */
 #define SURE 6.0          /* standard deviations that deserve a word, */
 #define SURE_REGIONS 4.0  /* and when regions are left out in turn, */
-#define WORTH_A_WORD .005 /* and a share of the light */
+#define WORTH_A_WORD .015 /* and a share of the light */
 
 /* Of a region, for one place: sums of weights, with d, d^2, and d with what is off and the shares. */
 typedef struct terms {
