@@ -12,6 +12,7 @@
 #include "recover/excuse.h"
 #include "recover/findings.h"
 #include "recover/poses.h"
+#include "recover/target.h"
 #include "specular/specular.h"
 #include "specular/yu99.h"
 
@@ -30,6 +31,8 @@
  * where surfaces shine, more photographs do not lower the error that is stated without lobes. */
 #define ATTEMPTS 2
 #define SHARPER 4
+/* Above so many times what was wanted, more photographs are not tried: all are read. */
+#define HOPELESS 3
 /* Solved again without photographs that lobes do not account for so many times. */
 #define ROUNDS 2
 
@@ -130,20 +133,23 @@ static bool looks_for_lobes(const igi_recover_options *o)
     return o->method == IGI_METHOD_PATCHES && o->model != IGI_LAMBERT;
 }
 
-/* *enough: the stated error of the diffuse solution is not above `limit`; else there are no lobes. */
-static igi_status solve(igi_context *ctx, const igi_recover_options *o, double limit, solution *s,
-                        bool *enough)
+/* What the diffuse solution may state as its error, and what it does. */
+typedef struct aim {
+    double limit, stated;
+} aim;
+
+/* Where what is stated is above the limit there are no lobes. */
+static igi_status solve(igi_context *ctx, const igi_recover_options *o, solution *s, aim *wanted)
 {
     igi_problem *problem = s->problem;
-    *enough = false;
     IGI_TRY(igi_positions_refine(ctx, problem, &s->positions));
     problem->positions = s->positions;
     IGI_TRY(igi_diffuse_create(ctx, problem, &s->diffuse));
     if (o->method == IGI_METHOD_YU99)
         IGI_TRY(igi_yu99_create(ctx, problem, s->diffuse, &s->specular));
     else IGI_TRY(method_function(o->method)(ctx, problem, s->diffuse));
-    if (igi_stated_error(problem, s->diffuse) > limit) return IGI_OK;
-    *enough = true;
+    wanted->stated = igi_stated_error(problem, s->diffuse);
+    if (wanted->stated > wanted->limit) return IGI_OK;
     if (looks_for_lobes(o)) IGI_TRY(igi_specular_create(ctx, problem, s->diffuse, &s->specular));
     if (!s->specular) return IGI_OK;
     s->lobes = igi_specular_view(s->specular, s->diffuse);
@@ -169,10 +175,10 @@ static igi_status make_recovery(igi_context *ctx, const solution *s, igi_poses *
 }
 
 /* One recovery, from observing on. *recovery stays NULL where the stated error of the diffuse
- * solution is above `limit`. Photographs that lobes do not account for are left out, or scaled, and all
+ * solution is above its limit. Photographs that lobes do not account for are left out, or scaled, and all
  * is solved again. */
 static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
-                               const igi_recover_options *o, double limit, igi_recovery **recovery)
+                               const igi_recover_options *o, aim *wanted, igi_recovery **recovery)
 {
     igi_status status = IGI_OK;
     igi_observations *observations = NULL;
@@ -180,7 +186,7 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     igi_patches *patches = NULL;
     solution s = {.problem = NULL};
     igi_recovery *r = NULL;
-    bool again, enough = false;
+    bool again;
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_observe(ctx, scene, tracer, 0, &observations));
     IGI_TRY_GOTO(igi_poses_mend(ctx, scene, tracer, o->registering, &observations, &poses));
@@ -195,8 +201,8 @@ static igi_status recover_from(igi_context *ctx, const igi_scene *scene, const i
     for (int round = 0; round == 0 || again; round++) {
         clear_solution(&s);
         IGI_TRY_GOTO(igi_problem_create(ctx, scene, tracer, observations, patches, o, &s.problem));
-        IGI_TRY_GOTO(solve(ctx, o, limit, &s, &enough));
-        if (!enough) goto cleanup;
+        IGI_TRY_GOTO(solve(ctx, o, &s, wanted));
+        if (wanted->stated > wanted->limit) goto cleanup;
         if (!again || round == ROUNDS) break;
         IGI_TRY_GOTO(igi_excuse_photographs(ctx, s.problem, s.diffuse, observations, &again));
         if (again && clipped) clipped = !igi_observations_retract_clipped(observations, said);
@@ -214,9 +220,10 @@ cleanup:
     return status;
 }
 
-static double standard_patch(const igi_tracer *tracer)
+static double patch_for(const igi_tracer *tracer, double target_error)
 {
-    return (double)(PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL));
+    return (double)(PATCH_SHARE * igi_tracer_size(tracer, NULL, NULL)) *
+           fmin(fmax(1, sqrt(target_error / FINE_ERROR)), COARSEST);
 }
 
 /* Takes over what the choice knows. */
@@ -239,9 +246,7 @@ static igi_status recover_from_few(igi_context *ctx, const igi_scene *scene,
     igi_recover_options coarse = *options, *o = &coarse;
     igi_need need = {o->target_error, 1, o->model != IGI_LAMBERT};
     o->target_error *= AIM;
-    if (!(o->patch_m > 0))
-        o->patch_m = standard_patch(tracer) *
-                     fmin(fmax(1, sqrt(options->target_error / FINE_ERROR)), COARSEST);
+    aim wanted = {.limit = o->target_error};
     for (int attempt = 0; attempt < ATTEMPTS; attempt++, need.sharpness *= SHARPER) {
         igi_choice *choice;
         igi_recovery *r = NULL;
@@ -249,13 +254,14 @@ static igi_status recover_from_few(igi_context *ctx, const igi_scene *scene,
         IGI_TRY(igi_choice_make(ctx, scene, tracer, &need, &choice));
         bool all = choice->scene.frame_count == 0 || (choice->left_out == 0 && choice->reduce == 1);
         igi_status status = all ? IGI_OK
-                                : recover_from(ctx, &choice->scene, tracer, o, o->target_error, &r);
+                                : recover_from(ctx, &choice->scene, tracer, o, &wanted, &r);
         bool failed = status == IGI_E_DATA || status == IGI_E_NO_ANSWER;
         if (r) status = note_choice(ctx, scene, choice, r);
         igi_choice_destroy(choice);
         if (r && status == IGI_OK) *recovery = r;
         else igi_recovery_destroy(r);
         if (all || r || (status != IGI_OK && !failed)) return status;
+        if (!failed && wanted.stated > HOPELESS * wanted.limit) break; /* it shines */
     }
     return IGI_OK;
 }
@@ -271,10 +277,12 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     if (options) o = *options;
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
+    aim all = {.limit = HUGE_VAL};
+    if (!(o.patch_m > 0)) o.patch_m = patch_for(tracer, o.target_error);
     if (o.method == IGI_METHOD_PATCHES && o.target_error > 0)
         IGI_TRY_GOTO(recover_from_few(ctx, scene, tracer, &o, recovery));
-    if (!(o.patch_m > 0)) o.patch_m = standard_patch(tracer);
-    if (!*recovery) IGI_TRY_GOTO(recover_from(ctx, scene, tracer, &o, HUGE_VAL, recovery));
+    if (!*recovery) IGI_TRY_GOTO(recover_from(ctx, scene, tracer, &o, &all, recovery));
+    IGI_TRY_GOTO(igi_target_judge(ctx, o.target_error, (*recovery)->materials));
 cleanup:
     igi_stage_begin(ctx, NULL);
     igi_tracer_destroy(tracer);

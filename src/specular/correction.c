@@ -2,6 +2,7 @@
 #include "specular/correction.h"
 
 #include "base/parallel.h"
+#include "specular/effort.h"
 #include "specular/lobe_photons.h"
 #include "specular/side_views.h"
 
@@ -87,11 +88,12 @@ static uint64_t seen_part(const job *j, uint32_t side, igi_rng *rng)
     const region_level *r = &j->regions[region];
     if (igi_problem_seen_count(j->problem, side) == 0) return 0;
     if (j->field->lobes[region].model == IGI_LAMBERT) return 0;
-    int samples = (int)(SEEN_SAMPLES / (j->round == 0 ? FIRST_SHARE : 1) / r->sides);
+    bool roughly = j->round == 0 || igi_lobe_effort(j->problem->options) < 0.5;
+    int samples = (int)(SEEN_SAMPLES / (roughly ? FIRST_SHARE : 1) / r->sides);
     samples = samples < FEWEST_SAMPLES ? FEWEST_SAMPLES : samples;
     samples = samples > MOST_SAMPLES ? MOST_SAMPLES : samples;
     const float *before = j->diffuse->radiance + side * (size_t)j->problem->bands;
-    igi_side_effort effort = {samples, j->round == 0 ? 2 : VIEW_SAMPLES};
+    igi_side_effort effort = {samples, roughly ? 2 : VIEW_SAMPLES};
     return igi_side_views_part(j->field, side, effort, before, r->level, rng, j->correction);
 }
 

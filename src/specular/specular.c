@@ -4,6 +4,7 @@
 #include "diffuse/field.h"
 #include "diffuse/methods.h"
 #include "specular/correction.h"
+#include "specular/effort.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,6 +26,9 @@
 #define SEARCH_SCORED 10000
 #define REFINE_SCORED 100000
 #define DOUBT_SCORED 8000
+#define SEARCHED 1000
+#define FEWEST_SEARCHED 400
+#define FEWEST_FITTED 500
 #define FEW_PIXELS 1000  /* to tell models apart; */
 #define MOST_PIXELS 3000 /* more, until independent noise leaves no more of rho_s open */
 #define QUIET 0.006
@@ -53,6 +57,12 @@ typedef struct stage {
     igi_specular *specular;
     igi_candidates candidates;
 } stage;
+
+/* So many, less where less is asked for. */
+static size_t by_effort(const stage *s, size_t usual)
+{
+    return (size_t)((double)usual * igi_lobe_effort(s->field->problem->options));
+}
 
 static bool is_per_point(const igi_problem *p, size_t region)
 {
@@ -237,7 +247,7 @@ static igi_status search_region(igi_context *ctx, const stage *s, size_t region,
                                 size_t count)
 {
     igi_highlights *h = NULL;
-    options.pixels = 1000;
+    options.pixels = FEWEST_SEARCHED + by_effort(s, SEARCHED - FEWEST_SEARCHED);
     options.lobe_samples = 24;
     options.lamp_samples = 48;
     options.sharp_samples = 16;
@@ -277,10 +287,11 @@ static igi_status search_lobes(igi_context *ctx, stage *s)
 
 /* How many pixels make what independent noise leaves of rho_s small enough: it falls with their
  * root. What is left then are errors that more pixels share. */
-static size_t enough_pixels(size_t tried, const igi_lobe_estimate *e)
+static size_t enough_pixels(const stage *s, size_t tried, const igi_lobe_estimate *e)
 {
+    double effort = igi_lobe_effort(s->field->problem->options);
     double rest = e->specular > 0 ? e->noise_std / e->specular / QUIET : HUGE_VAL;
-    return (size_t)fmin(MOST_PIXELS, (double)tried * rest * rest);
+    return (size_t)(effort * fmin(MOST_PIXELS, (double)tried * rest * rest));
 }
 
 /* As many places on a lamp as a lobe so broad can tell apart. */
@@ -304,7 +315,8 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
     igi_model models[3];
     bool asked = p->options->model != IGI_ANY_MODEL;
     float a = s->specular->lobes[r].alpha;
-    igi_highlight_options options = {.pixels = FEW_PIXELS,
+    const size_t least = FEWEST_FITTED + by_effort(s, FEW_PIXELS - FEWEST_FITTED);
+    igi_highlight_options options = {.pixels = least,
                                      .lobe_samples = 32,
                                      .lamp_samples = lamp_points(a),
                                      .lamp_tests = 8,
@@ -319,14 +331,14 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
         options.lamp_samples = 192;
     }
     order_models(p, models);
-    IGI_TRY(score_pixels(ctx, s, r, REFINE_SCORED, options.alphas, &scores));
+    IGI_TRY(score_pixels(ctx, s, r, by_effort(s, REFINE_SCORED), options.alphas, &scores));
     IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, NULL, &few));
     IGI_TRY_GOTO(fit_region(ctx, s, r, few, models, 3));
     first = *e;
     const igi_model chosen = asked ? models[0] : first.model;
     if (asked) *e = before;
-    options.pixels = asked ? MOST_PIXELS : enough_pixels(FEW_PIXELS, e);
-    if (options.pixels > FEW_PIXELS) {
+    options.pixels = asked ? by_effort(s, MOST_PIXELS) : enough_pixels(s, least, e);
+    if (options.pixels > least) {
         IGI_TRY_GOTO(choose_highlights(ctx, s, &scores, options, few, &more));
         IGI_TRY_GOTO(fit_region(ctx, s, r, more, &chosen, 1));
     }
