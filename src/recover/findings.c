@@ -11,6 +11,22 @@
 /* rho_s of plastic and varnish; less goes without saying. */
 #define WORTH_A_WORD 0.03
 
+/* Where one place alone shows the highlight, nothing says how far it is off: as much as it is. */
+static igi_status set_lobe_errors(igi_context *ctx, const igi_lobe_estimate *e, igi_material *m)
+{
+    bool known = isfinite(e->specular_std) && isfinite(e->alpha_std);
+    m->specular_std = known ? e->specular_std : e->specular;
+    m->alpha_std = known ? e->alpha_std : e->alpha;
+    if (known) return IGI_OK;
+    char *sentence;
+    IGI_TRY(
+        igi_strprintf(ctx, &sentence,
+                      "its highlight is seen in one place alone: nothing tells how far specular "
+                      "and alpha are off (their standard deviations are the values themselves); "
+                      "add photographs of lamps mirrored elsewhere in it"));
+    return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
+}
+
 /* Share of each region's area that photographs show, and how many photographs show it. */
 static igi_status measure_coverage(igi_context *ctx, const igi_problem *p, igi_materials *m)
 {
@@ -82,9 +98,8 @@ static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int ban
 {
     m->model = e->model;
     m->specular = e->specular;
-    m->specular_std = e->specular_std;
     m->alpha = e->alpha;
-    m->alpha_std = e->alpha_std;
+    IGI_TRY(set_lobe_errors(ctx, e, m));
     for (int b = 0; b < bands; b++) m->specular_rgb[b] = e->specular;
     char *sentence;
     if (e->alpha < (double)IGI_SHARP_ALPHA && e->alpha < IGI_BOUND_SIGMAS * e->alpha_std) {

@@ -8,8 +8,9 @@
 #include <string.h>
 
 /* One camera off among cameras that are right must convince: its edges come this much nearer. Shadows
- * and what is mirrored pass for edges, and a few of them find a camera that suits them. */
-#define ALONE_LEAVES .5
+ * and what is mirrored pass for edges, and a few of them find a camera that suits them. All cameras
+ * together must convince likewise. */
+#define LEAVES .5
 
 /* Edges lie up to .25 pixels off where cameras and mesh are exact; a mesh that is off by no more is not
  * worth a word. */
@@ -41,11 +42,21 @@ static void keep_unconvincing(const igi_scene *given, igi_poses *p)
     igi_registered *r = p->registered;
     for (size_t i = 0; i < r->frame_count; i++) {
         igi_registered_frame *f = &r->frames[i];
-        if (!f->moved || f->after_px < ALONE_LEAVES * f->before_px) continue;
+        if (!f->moved || f->after_px < LEAVES * f->before_px) continue;
         p->scene.frames[i].camera = given->frames[i].camera;
         f->moved = false;
         f->after_px = f->before_px;
         f->moved_px = 0;
+    }
+}
+
+/* That all cameras seemed off was a mistake: none is moved. */
+static void keep_all(const igi_scene *given, igi_poses *p)
+{
+    igi_registered *r = p->registered;
+    for (size_t i = 0; i < r->frame_count; i++) {
+        p->scene.frames[i].camera = given->frames[i].camera;
+        r->frames[i].moved = false;
     }
 }
 
@@ -180,6 +191,9 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
     IGI_TRY_GOTO(find(ctx, scene, &start, &p));
     if (!p) goto cleanup;
     if (who == SOME) keep_unconvincing(scene, p);
+    if (who == ALL && when == IGI_REGISTER_AUTO &&
+        p->registered->after_px > LEAVES * p->registered->before_px)
+        keep_all(scene, p);
     if (count_moved(p->registered) > 0) {
         igi_stage_begin(ctx, "observe");
         IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
