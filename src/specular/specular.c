@@ -23,14 +23,14 @@
 #define MODEL_SHARE 0.02
 /* Candidates of which each step chooses its pixels, at most. */
 #define GLANCE_SCORED 4000
-#define SEARCH_SCORED 10000
+#define SEARCH_SCORED 20000
 #define REFINE_SCORED 100000
 #define DOUBT_SCORED 8000
-#define SEARCHED 1000
+#define SEARCHED 1200
 #define FEWEST_SEARCHED 400
 #define FEWEST_FITTED 500
 #define FEW_PIXELS 1000  /* to tell models apart; */
-#define MOST_PIXELS 3000 /* more, until independent noise leaves no more of rho_s open */
+#define MOST_PIXELS 4000 /* more, until independent noise leaves no more of rho_s open */
 #define QUIET 0.006
 #define MOST_LAMP_POINTS 96
 #define LAMP_POINTS_ALPHA 5 /* so many times the reciprocal of alpha */
@@ -248,8 +248,8 @@ static igi_status search_region(igi_context *ctx, const stage *s, size_t region,
 {
     igi_highlights *h = NULL;
     options.pixels = FEWEST_SEARCHED + by_effort(s, SEARCHED - FEWEST_SEARCHED);
-    options.lobe_samples = 24;
-    options.lamp_samples = 48;
+    options.lobe_samples = 32;
+    options.lamp_samples = 64;
     options.sharp_samples = 16;
     s->specular->estimates[region].model = IGI_LAMBERT; /* the hint is no start */
     IGI_TRY(find_highlights(ctx, s, region, SEARCH_SCORED, &options, &h));
@@ -317,7 +317,7 @@ static igi_status refine_region(igi_context *ctx, const stage *s, size_t r)
     float a = s->specular->lobes[r].alpha;
     const size_t least = FEWEST_FITTED + by_effort(s, FEW_PIXELS - FEWEST_FITTED);
     igi_highlight_options options = {.pixels = least,
-                                     .lobe_samples = 32,
+                                     .lobe_samples = 64,
                                      .lamp_samples = lamp_points(a),
                                      .lamp_tests = 8,
                                      .sharp_samples = a < IGI_SHARP_ALPHA ? 32 : 0,
