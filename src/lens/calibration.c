@@ -128,6 +128,18 @@ static json_t *pack_response(const igi_response *r)
     return object;
 }
 
+bool igi_calibration_is_opencv(const char *path)
+{
+    return igi_ends_with(path, ".yml") || igi_ends_with(path, ".yaml") ||
+           igi_ends_with(path, ".xml");
+}
+
+bool igi_calibration_is_foreign(const char *path)
+{
+    return igi_calibration_is_opencv(path) || igi_ends_with(path, "cameras.txt") ||
+           igi_ends_with(path, ".bin");
+}
+
 igi_status igi_calibration_save(igi_context *ctx, const igi_calibration *calibration,
                                 const char *path)
 {

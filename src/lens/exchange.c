@@ -13,17 +13,6 @@
 
 #include <stdio.h>
 
-static bool is_opencv(const char *path)
-{
-    return igi_ends_with(path, ".yml") || igi_ends_with(path, ".yaml") ||
-           igi_ends_with(path, ".xml");
-}
-
-bool igi_calibration_is_foreign(const char *path)
-{
-    return is_opencv(path) || igi_ends_with(path, "cameras.txt") || igi_ends_with(path, ".bin");
-}
-
 static igi_status take_lens(igi_context *ctx, const char *path, const igi_camera *lens,
                             igi_calibration **calibration)
 {
@@ -43,7 +32,7 @@ igi_status igi_calibration_import(igi_context *ctx, const char *path, igi_calibr
         IGI_TRY(igi_colmap_read_camera(ctx, path, &lens));
         return take_lens(ctx, path, &lens, calibration);
     }
-    if (!is_opencv(path)) return igi_calibration_load(ctx, path, calibration);
+    if (!igi_calibration_is_opencv(path)) return igi_calibration_load(ctx, path, calibration);
     double p[IGI_CV_PARAMETERS];
     int size[2];
     if (!igi_file_exists(path))
@@ -94,7 +83,8 @@ igi_status igi_calibration_export(igi_context *ctx, const igi_calibration *calib
 {
     bool colmap = igi_ends_with(path, ".txt");
     igi_file file;
-    if (!colmap && !is_opencv(path)) return igi_calibration_save(ctx, calibration, path);
+    if (!colmap && !igi_calibration_is_opencv(path))
+        return igi_calibration_save(ctx, calibration, path);
     if (igi_ends_with(path, ".xml"))
         return igi_fail(ctx, IGI_E_USAGE, "%s: OpenCV's XML is read, not written; name a .yml",
                         path);

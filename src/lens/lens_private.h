@@ -12,6 +12,7 @@ extern const char *const igi_lens_keys[9];
 double *igi_lens_field(igi_camera *lens, int i);
 
 /* By its name: OpenCV's or COLMAP's, to be imported. */
+bool igi_calibration_is_opencv(const char *path);
 bool igi_calibration_is_foreign(const char *path);
 
 /* Makes *calibration when it is NULL, else checks that it is for photographs of this size. */

@@ -13,9 +13,10 @@
 #define FIRST_SHARE 4      /* fewer in the first round, which only refining uses */
 #define FEWEST_SAMPLES 12
 #define MOST_SAMPLES 512
-#define VIEW_SAMPLES 4         /* of a view, at least */
-#define RECEIVED_SAMPLES 120000 /* rays of a region's rows that look for lobes, about; of each row */
-#define LEAST_RECEIVED 8       /* so many at least, half of those it gathers with at most */
+#define VIEW_SAMPLES 4 /* of a view, at least */
+#define RECEIVED_SAMPLES \
+    120000               /* rays of a region's rows that look for lobes, about; of each row */
+#define LEAST_RECEIVED 8 /* so many at least, half of those it gathers with at most */
 #define MOST_RECEIVED 512
 
 typedef struct region_level {
