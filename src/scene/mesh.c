@@ -140,8 +140,8 @@ static igi_status check_place(igi_mesh_builder *b, const igi_mesh *mesh)
 {
     double far = 0, size = 0, low[3];
     for (int k = 0; k < 3; k++) {
-        double high = -INFINITY;
-        low[k] = INFINITY;
+        double high = -(double)INFINITY;
+        low[k] = (double)INFINITY;
         for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
             double x = (double)mesh->positions[3 * (size_t)mesh->triangles[i] + (size_t)k];
             low[k] = fmin(low[k], x);

@@ -30,9 +30,10 @@ static double across(const box *b)
 
 igi_status igi_scene_check_plausible(igi_context *ctx, igi_scene *scene)
 {
-    box mesh = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, eyes = mesh;
+    const double far = (double)INFINITY;
+    box mesh = {{far, far, far}, {-far, -far, -far}}, eyes = mesh;
     for (size_t i = 0; i < 3 * scene->mesh.vertex_count; i++)
-        add(&mesh, (int)(i % 3), scene->mesh.positions[i]);
+        add(&mesh, (int)(i % 3), (double)scene->mesh.positions[i]);
     for (size_t i = 0; i < 3 * scene->frame_count; i++)
         add(&eyes, (int)(i % 3), scene->frames[i / 3].camera.camera_to_world[i % 3][3]);
     double size = across(&mesh), spread = across(&eyes);
