@@ -6,6 +6,8 @@
  */
 #include "recover/doubt.h"
 
+#include "scene/camera.h"
+
 #define WORTH_PX 0.18   /* beyond it: a word */
 #define EXACT_PX 0.2    /* where cameras and mesh are exact, edges lie so far off, for noise */
 #define FEWEST_EDGES 20 /* of a photograph; none: its camera was found to be right */
@@ -33,8 +35,7 @@ static double pixel_m(const igi_light_shares *s)
     size_t step = s->count / LOOKED_AT + 1;
     for (size_t f = 0; f < s->p->scene->frame_count; f++) {
         const igi_camera *c = &s->p->scene->frames[f].camera;
-        igi_vec eye = {(float)c->camera_to_world[0][3], (float)c->camera_to_world[1][3],
-                       (float)c->camera_to_world[2][3]};
+        igi_vec eye = igi_camera_centre(c);
         for (size_t i = 0; i < s->count; i += step, n++)
             sum += (double)igi_length(igi_sub(s->looks[i].point, eye)) / c->fl_x;
     }
@@ -46,11 +47,10 @@ static double change_of(const igi_light_shares *s, const igi_look *l, size_t lig
 {
     const igi_lighting *lighting = s->p->lighting;
     igi_vec out = igi_add(l->point, igi_scale(l->normal, (float)delta));
-    double value = 0, change = 0;
-    for (int b = 0; b < s->p->bands; b++) value += s->p->lights[light].value[b] / s->p->bands;
+    double change = 0;
     change += (double)igi_light_irradiance(lighting, NULL, light, out, l->normal, 1, 0);
     change -= (double)igi_light_irradiance(lighting, NULL, light, l->point, l->normal, 1, 0);
-    return change * value / l->received;
+    return change * igi_light_shares_value(s->p, light) / l->received;
 }
 
 static igi_status say(igi_context *ctx, double px, double delta, igi_materials *m)

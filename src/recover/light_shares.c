@@ -14,7 +14,7 @@ enum { SIDES = 2000 /* of a region */ };
 #define KNOWN 0.01 /* error of a scale at the least: irradiance is smoothed over patches */
 #define HUBER 2.0
 
-static double mean_of_value(const igi_problem *p, size_t light)
+double igi_light_shares_value(const igi_problem *p, size_t light)
 {
     double sum = 0;
     for (int b = 0; b < p->bands; b++) sum += p->lights[light].value[b] / p->bands;
@@ -30,7 +30,7 @@ static void choose_lights(igi_light_shares *s)
 {
     const igi_problem *p = s->p;
     for (size_t k = 0; k < p->light_count; k++) {
-        if (p->lights[k].type == IGI_LIGHT_ENV || !(mean_of_value(p, k) > 0)) continue;
+        if (p->lights[k].type == IGI_LIGHT_ENV || !(igi_light_shares_value(p, k) > 0)) continue;
         if (s->light_count < IGI_SHARES_LIGHTS) s->lights[s->light_count] = k;
         s->light_count++;
     }
@@ -53,7 +53,7 @@ static bool look_at(const igi_light_shares *s, const igi_field *field, uint32_t 
     for (size_t k = 0; k < s->light_count; k++) {
         double unit = (double)igi_light_irradiance(p->lighting, p->tracer, s->lights[k], l->point,
                                                    l->normal, RAYS, side);
-        l->share[k] = unit * mean_of_value(p, s->lights[k]) / all;
+        l->share[k] = unit * igi_light_shares_value(p, s->lights[k]) / all;
     }
     return true;
 }

@@ -54,6 +54,9 @@ IGI_MUST_USE igi_status igi_light_shares_create(igi_context *ctx, const igi_prob
                                                 igi_light_shares **survey);
 void igi_light_shares_destroy(igi_light_shares *survey);
 
+/* Mean over bands of what a light of the problem's is said to have. */
+double igi_light_shares_value(const igi_problem *problem, size_t light);
+
 /* Lights that photographs show are compared with those. Here they stand for what else is wrong with
  * direct and gathered light: without them, a bulb takes the blame. */
 bool igi_light_shares_shows(igi_light_type type);

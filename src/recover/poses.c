@@ -36,27 +36,24 @@ static igi_status find_need(igi_context *ctx, const igi_observations *o, igi_reg
     return IGI_OK;
 }
 
-/* One among right ones must convince. */
-static void keep_unconvincing(const igi_scene *given, igi_poses *p)
+static void keep(const igi_scene *given, igi_poses *p, size_t frame)
 {
-    igi_registered *r = p->registered;
-    for (size_t i = 0; i < r->frame_count; i++) {
-        igi_registered_frame *f = &r->frames[i];
-        if (!f->moved || f->after_px < LEAVES * f->before_px) continue;
-        p->scene.frames[i].camera = given->frames[i].camera;
-        f->moved = false;
-        f->after_px = f->before_px;
-        f->moved_px = 0;
-    }
+    igi_registered_frame *f = &p->registered->frames[frame];
+    p->scene.frames[frame].camera = given->frames[frame].camera;
+    f->moved = false;
+    f->after_px = f->before_px;
+    f->moved_px = 0;
 }
 
-/* That all cameras seemed off was a mistake: none is moved. */
-static void keep_all(const igi_scene *given, igi_poses *p)
+/* Of some that seemed off each must convince, of all they together. */
+static void keep_unconvincing(const igi_scene *given, need who, igi_poses *p)
 {
-    igi_registered *r = p->registered;
+    const igi_registered *r = p->registered;
+    bool none = who == ALL && r->after_px > LEAVES * r->before_px;
     for (size_t i = 0; i < r->frame_count; i++) {
-        p->scene.frames[i].camera = given->frames[i].camera;
-        r->frames[i].moved = false;
+        const igi_registered_frame *f = &r->frames[i];
+        bool one = who == SOME && f->moved && !(f->after_px < LEAVES * f->before_px);
+        if (none || one) keep(given, p, i);
     }
 }
 
@@ -190,10 +187,7 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
                                 .which = who == SOME ? which : NULL};
     IGI_TRY_GOTO(find(ctx, scene, &start, &p));
     if (!p) goto cleanup;
-    if (who == SOME) keep_unconvincing(scene, p);
-    if (who == ALL && when == IGI_REGISTER_AUTO &&
-        p->registered->after_px > LEAVES * p->registered->before_px)
-        keep_all(scene, p);
+    if (when == IGI_REGISTER_AUTO) keep_unconvincing(scene, who, p);
     if (count_moved(p->registered) > 0) {
         igi_stage_begin(ctx, "observe");
         IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
