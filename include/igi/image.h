@@ -36,6 +36,10 @@ IGI_API void igi_image_destroy(igi_image *image);
  * Rec.709 (D65). Deep data, and more than IGI_MAX_BANDS + 1 channels, are refused (IGI_E_DATA). */
 IGI_API IGI_MUST_USE igi_status igi_image_load_exr(igi_context *context, const char *path,
                                                    igi_image **image);
+/* The same of a photograph: nobody saw what lies outside the data window. It is NaN, also in a channel
+ * "saturated", which is added where a data window is smaller and the file has none (0 inside). */
+IGI_API IGI_MUST_USE igi_status igi_image_load_photograph(igi_context *context, const char *path,
+                                                          igi_image **image);
 
 /* Size and channel count from the header alone, as igi_image_load_exr would return them. *bands:
  * the channels but for alpha ("A") and what merging adds ("saturated", "variance.*"). */

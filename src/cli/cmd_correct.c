@@ -29,7 +29,7 @@ static igi_status correct(cli_session *s, const igi_calibration *calibration, co
 {
     char path[4096];
     igi_image *image = NULL, *corrected = NULL;
-    igi_status status = igi_image_load_exr(s->context, from, &image);
+    igi_status status = igi_image_load_photograph(s->context, from, &image);
     if (status == IGI_OK &&
         (image->width != calibration->width || image->height != calibration->height)) {
         fprintf(stderr,

@@ -9,6 +9,7 @@
 #include "image/exr_private.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -198,19 +199,33 @@ static igi_status convert_colours(igi_context *ctx, const igi_exr_source *from,
     return IGI_OK;
 }
 
-/* The display window's part of the canvas, on black. */
-static igi_status crop(igi_context *ctx, const igi_exr_layout *l, const igi_image *canvas,
-                       igi_image **image)
+/* Does the image get a channel that marks what lies outside the data window? */
+static bool is_marked(const igi_exr_source *from, const igi_exr_layout *l)
 {
-    IGI_TRY(igi_image_create(ctx, l->display.width, l->display.height, l->channels, image));
-    int64_t left = (int64_t)l->data.x - l->display.x, top = (int64_t)l->data.y - l->display.y;
-    int64_t x0 = left > 0 ? left : 0, x1 = left + l->data.width;
-    if (x1 > l->display.width) x1 = l->display.width;
-    for (int64_t y = top > 0 ? top : 0; y < top + l->data.height && y < l->display.height; y++)
-        if (x1 > x0)
-            memcpy((*image)->samples + (y * l->display.width + x0) * l->channels,
-                   canvas->samples + ((y - top) * l->data.width + x0 - left) * l->channels,
-                   (size_t)(x1 - x0) * (size_t)l->channels * sizeof(float));
+    for (int i = 0; i < l->channels; i++)
+        if (strcmp(l->names[i], "saturated") == 0) return false;
+    return from->photograph && l->channels < IGI_EXR_MAX_CHANNELS;
+}
+
+/* The display window's part of the canvas; what lies outside is black, or NaN in a photograph, whose
+ * mark is 0 elsewhere. */
+static igi_status crop(igi_context *ctx, const igi_exr_source *from, const igi_exr_layout *l,
+                       const igi_image *canvas, igi_image **image)
+{
+    size_t channels = (size_t)l->channels, stride = channels + is_marked(from, l);
+    IGI_TRY(igi_image_create(ctx, l->display.width, l->display.height, (int)stride, image));
+    if (stride > channels) snprintf((*image)->names[channels], IGI_CHANNEL_NAME_SIZE, "saturated");
+    float *to = (*image)->samples;
+    for (int y = 0; y < l->display.height; y++)
+        for (int x = 0; x < l->display.width; x++, to += stride) {
+            int64_t column = (int64_t)x + l->display.x - l->data.x;
+            int64_t row = (int64_t)y + l->display.y - l->data.y;
+            if (column >= 0 && row >= 0 && column < l->data.width && row < l->data.height)
+                memcpy(to, canvas->samples + (size_t)(row * l->data.width + column) * channels,
+                       channels * sizeof *to);
+            else
+                for (size_t c = 0; c < stride && from->photograph; c++) to[c] = NAN;
+        }
     return IGI_OK;
 }
 
@@ -249,7 +264,7 @@ static igi_status load(igi_context *ctx, igi_exr_source *from, igi_image **image
         made = canvas;
         canvas = NULL;
     } else {
-        IGI_TRY_GOTO(crop(ctx, &l, canvas, &made));
+        IGI_TRY_GOTO(crop(ctx, from, &l, canvas, &made));
     }
     for (int i = 0; i < l.channels; i++)
         memcpy(made->names[l.slot[i]], l.names[i], IGI_CHANNEL_NAME_SIZE);
@@ -268,12 +283,22 @@ igi_status igi_exr_load_memory(igi_context *ctx, const char *name, const uint8_t
     return load(ctx, &from, image);
 }
 
-igi_status igi_image_load_exr(igi_context *ctx, const char *path, igi_image **image)
+static igi_status load_file(igi_context *ctx, const char *path, bool photograph, igi_image **image)
 {
-    igi_exr_source from = {.fd = -1};
+    igi_exr_source from = {.fd = -1, .photograph = photograph};
     *image = NULL;
     igi_status status = igi_exr_open_file(ctx, path, &from);
     if (status == IGI_OK) status = load(ctx, &from, image);
     if (from.fd >= 0) close(from.fd);
     return status;
+}
+
+igi_status igi_image_load_exr(igi_context *ctx, const char *path, igi_image **image)
+{
+    return load_file(ctx, path, false, image);
+}
+
+igi_status igi_image_load_photograph(igi_context *ctx, const char *path, igi_image **image)
+{
+    return load_file(ctx, path, true, image);
 }

@@ -18,6 +18,7 @@ typedef struct igi_exr_source {
     int fd;
     const uint8_t *bytes;
     uint64_t size;
+    bool photograph;   /* nobody saw what lies outside the data window */
     char message[200]; /* OpenEXR's last word */
 } igi_exr_source;
 

@@ -239,7 +239,7 @@ igi_status igi_photographs_load(igi_context *ctx, const igi_photographs *photogr
     *image = NULL;
     *warning = NULL;
     if (f->exposure_count) IGI_TRY_GOTO(merge_frame(ctx, photographs, f, &taken, warning));
-    else IGI_TRY_GOTO(igi_image_load_exr(ctx, f->path, &taken));
+    else IGI_TRY_GOTO(igi_image_load_photograph(ctx, f->path, &taken));
     if (photographs->note && frame == photographs->noted)
         IGI_TRY_GOTO(add_note(ctx, photographs->note, warning));
     if (!photographs->as_taken && c && (c->has_lens || c->vignetting.known)) {

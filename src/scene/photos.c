@@ -6,6 +6,7 @@
 
 #include <igi/image.h>
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,10 +96,46 @@ static igi_status check_doubles(igi_context *ctx, const igi_scene *scene, const 
     return status;
 }
 
+/* Of images that no camera took the result knows nothing, and is not wrong for it: said, and not kept. */
+static igi_status note_strays(igi_context *ctx, const igi_scene *scene)
+{
+    igi_status status = IGI_OK;
+    size_t strays = 0;
+    char *folder = NULL, *path = NULL, *first = NULL;
+    DIR *at = NULL;
+    IGI_TRY_GOTO(igi_path_folder(ctx, scene->frames[0].path, &folder));
+    at = opendir(folder);
+    for (struct dirent *entry; at && (entry = readdir(at));) {
+        const char *ending = strrchr(entry->d_name, '.');
+        bool known = !ending || strcmp(ending, ".exr") != 0;
+        if (!known) IGI_TRY_GOTO(igi_path_join(ctx, folder, entry->d_name, &path));
+        for (size_t i = 0; i < scene->frame_count && !known; i++)
+            known = strcmp(scene->frames[i].path, path) == 0;
+        if (!known && (!first || strcmp(path, first) < 0)) {
+            igi_free(first);
+            first = path;
+            path = NULL;
+        }
+        strays += !known;
+        igi_free(path);
+        path = NULL;
+    }
+    if (strays > 0)
+        igi_warn(ctx, "%s: no camera took it%s; it is not used", first,
+                 strays > 1 ? ", nor others beside it" : "");
+cleanup:
+    if (at) closedir(at);
+    igi_free(folder);
+    igi_free(path);
+    igi_free(first);
+    return status;
+}
+
 igi_status igi_photos_check(igi_context *ctx, igi_scene *scene, const char *cameras)
 {
     IGI_TRY(check_presence(ctx, scene, cameras));
     IGI_TRY(check_doubles(ctx, scene, cameras));
     for (size_t i = 0; i < scene->frame_count; i++) IGI_TRY(check_image(ctx, scene, i));
-    return IGI_OK;
+    return scene->frame_count && !scene->frames[0].exposure_count ? note_strays(ctx, scene)
+                                                                  : IGI_OK;
 }

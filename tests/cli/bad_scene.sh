@@ -47,6 +47,29 @@ for value in nan inf -1; do
     fresh; "$edit" bad/images/0002.exr fill $value 4
     passes '0002.* 4 pixels are negative, infinite or not a number'
 done
+fresh; cp bad/images/0002.exr bad/images/stray.exr
+expect 0 'images/stray\.exr: no camera took it; it is not used' "$igi" recover bad --dry-run
+# A photograph whose data window is a part of its display window: what lies outside nobody saw.
+fresh; python3 - <<'E3' || fail "images/0002.exr has no display window"
+import json, struct
+path = "bad/images/0002.exr"
+exr = open(path, "rb").read()
+at = exr.index(b"displayWindow\0box2i\0") + 24
+assert struct.unpack("<4i", exr[at:at + 16]) == (0, 0, 63, 47)
+open(path, "wb").write(exr[:at] + struct.pack("<4i", -16, -8, 95, 79) + exr[at + 16:])
+t = json.load(open("bad/transforms.json"))
+t["frames"][2].update(w=112, h=88, cx=t["cx"] + 16, cy=t["cy"] + 8)
+json.dump(t, open("bad/transforms.json", "w"))
+E3
+passes ''
+"$igi" recover -q room -o whole.out || fail "the room as it was"
+python3 - <<'E4' || fail "what lies outside the data window counts"
+import json
+got, want = (json.load(open(p + ".out/materials.json")) for p in ("bad", "whole"))
+assert got["warnings"] == want["warnings"], got["warnings"]
+off = [abs(a - b) for r in want["regions"] for a, b in zip(got["regions"][r]["albedo"], want["regions"][r]["albedo"])]
+assert max(off) < .005, max(off)
+E4
 
 # Cameras.
 fresh; sed -i 's/"transform_matrix"/"transfrom_matrix"/' bad/transforms.json
