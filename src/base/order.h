@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The order of numbers, for qsort; also of structures that begin with the number. Medians.
+ * The order of numbers, for qsort; also of structures that begin with the number. Medians and means.
  */
 #ifndef IGI_SRC_BASE_ORDER_H
 #define IGI_SRC_BASE_ORDER_H
@@ -18,6 +18,13 @@ static inline int igi_compare_floats(const void *a, const void *b)
 {
     float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
+}
+
+static inline double igi_mean(const float *values, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) sum += (double)values[i];
+    return sum / (double)count;
 }
 
 /* Sorts them. The mean of the middle two when their count is even; NaN of nothing. */

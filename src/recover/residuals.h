@@ -36,6 +36,13 @@ IGI_MUST_USE igi_status igi_residuals_create(igi_context *ctx, const igi_problem
 /* A side's own albedo, mean over bands; negative: it has none. */
 double igi_residual_albedo(const igi_problem *problem, const igi_field *field,
                            const igi_materials *materials, uint32_t side);
+/* The two halves of igi_residuals_create: over each region, and between and within photographs. */
+IGI_MUST_USE igi_status igi_residuals_find_trends(igi_context *ctx, const igi_problem *problem,
+                                                  const igi_field *field,
+                                                  const igi_materials *materials,
+                                                  igi_residuals *residuals);
+IGI_MUST_USE igi_status igi_residuals_compare_views(igi_context *ctx, const igi_problem *problem,
+                                                    const bool *diffuse, igi_residuals *residuals);
 void igi_residuals_destroy(igi_residuals *residuals);
 
 #endif

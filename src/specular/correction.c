@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "specular/correction.h"
 
+#include "base/order.h"
 #include "base/parallel.h"
 #include "specular/effort.h"
 #include "specular/lobe_photons.h"
@@ -115,13 +116,6 @@ static igi_status correct_rows(igi_context *ctx, void *user, size_t task, int wo
     return IGI_OK;
 }
 
-static double mean_of(const float *x, size_t bands)
-{
-    double sum = 0;
-    for (size_t b = 0; b < bands; b++) sum += (double)x[b];
-    return sum / (double)bands;
-}
-
 static void average_regions(const igi_problem *p, const igi_diffuse *diffuse, region_level *regions)
 {
     size_t bands = (size_t)p->bands;
@@ -129,8 +123,8 @@ static void average_regions(const igi_problem *p, const igi_diffuse *diffuse, re
         uint32_t side = diffuse->rows->side[i];
         region_level *r = &regions[igi_patch_region(p->patches, side >> 1)];
         r->sides++;
-        r->level.seen += mean_of(p->seen + side * bands, bands);
-        r->level.diffuse += fmax(0, mean_of(diffuse->radiance + side * bands, bands));
+        r->level.seen += igi_mean(p->seen + side * bands, bands);
+        r->level.diffuse += fmax(0, igi_mean(diffuse->radiance + side * bands, bands));
     }
     for (size_t row = 0; row < diffuse->rows->count; row++)
         regions[igi_patch_region(p->patches, diffuse->rows->side[row] >> 1)].rows++;

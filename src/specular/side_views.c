@@ -11,6 +11,7 @@
  */
 #include "specular/side_views.h"
 
+#include "base/order.h"
 #include "scene/camera.h"
 
 /* Of L and of S, relative: the second is what is left of wrong coefficients and coarse light. */
@@ -38,13 +39,6 @@ typedef struct side_views {
     size_t bands, count;
     view views[IGI_SIDE_VIEWS];
 } side_views;
-
-static double mean_of(const float *x, size_t bands)
-{
-    double sum = 0;
-    for (size_t b = 0; b < bands; b++) sum += (double)x[b];
-    return sum / (double)bands;
-}
 
 /* The side's pixels come in the order of photographs. */
 static void find_views(side_views *s, const igi_correction *c)
@@ -98,7 +92,7 @@ static uint64_t sample_view(const side_views *s, int samples, size_t number, igi
 static double deviation(const side_views *s, const view *v, size_t k, double d)
 {
     const float *radiance = s->problem->observations->radiance;
-    double l = mean_of(radiance + s->problem->order[k] * s->bands, s->bands);
+    double l = igi_mean(radiance + s->problem->order[k] * s->bands, s->bands);
     double predicted = d + 0.5 * (v->brightness[0] + v->brightness[1]);
     return (l - predicted) / fmax(predicted, 1e-20);
 }
@@ -169,7 +163,7 @@ uint64_t igi_side_views_part(const igi_radiance_field *field, uint32_t side, igi
     const igi_problem *p = field->problem;
     size_t bands = (size_t)p->bands, first = correction->view_begin[side];
     side_views s = {.field = field, .problem = p, .side = side, .bands = bands};
-    double d = fmax(0, mean_of(before, bands)) + DARK_SHARE * level.seen;
+    double d = fmax(0, igi_mean(before, bands)) + DARK_SHARE * level.seen;
     double result[IGI_MAX_BANDS], pixels = (double)igi_problem_seen_count(p, side);
     uint64_t rays = 0;
     find_views(&s, correction);
