@@ -35,7 +35,7 @@ typedef struct igi_material {
     double specular;      /* rho_s; 0 for lambert */
     double specular_std;  /* of lambert: what may have been overlooked, 1.645 of it is the bound */
     bool specular_is_rgb; /* coloured: specular_rgb holds; else all its bands equal specular */
-    double specular_rgb[IGI_MAX_BANDS];
+    double specular_rgb[IGI_MAX_BANDS], specular_rgb_std[IGI_MAX_BANDS];
     double alpha, alpha_std; /* roughness; 0 for lambert */
     double observed;         /* fraction of the region's area that a photograph determines */
     int views;               /* photographs that see it */

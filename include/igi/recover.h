@@ -75,7 +75,9 @@ typedef struct igi_model_evidence {
     double residuals;          /* on which it rests */
     double noise, plain_noise; /* relative deviation of a residual with the lobe, and without */
     double specular, specular_std, alpha;
-    bool at_bound; /* alpha ran into an end of what is looked for: no lobe */
+    bool at_bound;      /* alpha ran into an end of what is looked for: no lobe */
+    bool coloured;      /* a coefficient of each band, which gained, */
+    double colour_gain; /* in -2 ln likelihood; about so much where it was not asked for */
 } igi_model_evidence;
 
 enum { IGI_EVIDENCE_ROOM = 16 };

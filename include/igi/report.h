@@ -23,7 +23,9 @@ typedef struct igi_region_error {
     igi_model got, want;
     /* The numbers of the lobe: recovered, their standard deviation, true; NaN where there is none. */
     double specular_values[3], alpha_values[3];
-    double sigmas; /* largest over bands of |albedo_z| */
+    bool coloured, want_coloured; /* lobes: `specular` is then the mean error of their bands */
+    double specular_rgb_z[IGI_MAX_BANDS]; /* where both are coloured; else NaN */
+    double sigmas;                        /* largest over bands of |albedo_z| */
     /* got - want in units of the stated standard deviation; NaN where none is stated. */
     double albedo_z[IGI_MAX_BANDS], specular_z, alpha_z;
 } igi_region_error;

@@ -45,6 +45,9 @@ static void print_region_json(const igi_region_error *r, int bands)
     print_numbers("albedo_z", r->albedo_z, bands);
     print_numbers("specular_values", r->specular_values, 3);
     print_numbers("alpha_values", r->alpha_values, 3);
+    printf(", \"coloured\": [%s, %s]", r->coloured ? "true" : "false",
+           r->want_coloured ? "true" : "false");
+    print_numbers("specular_rgb_z", r->specular_rgb_z, bands);
     putchar('}');
 }
 
@@ -103,6 +106,8 @@ static void print_lobes(const igi_validation *v, int width)
         cli_print_padded(r->region, width);
         print_values(r->specular_values);
         print_values(r->alpha_values);
+        if (r->coloured != r->want_coloured)
+            fputs(r->coloured ? "   coloured (is not)" : "   not coloured (is)", stdout);
         puts("");
     }
 }

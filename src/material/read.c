@@ -59,6 +59,9 @@ igi_status igi_read_lobe(const igi_material_reader *r, const json_t *o, igi_mate
     IGI_TRY(igi_read_number(r, m->region, o, "specular_std", &m->specular_std));
     IGI_TRY(igi_read_numbers(r, m->region, o, "specular_rgb", r->materials->bands, m->specular_rgb,
                              &m->specular_is_rgb));
+    bool stated;
+    IGI_TRY(igi_read_numbers(r, m->region, o, "specular_rgb_std", r->materials->bands,
+                             m->specular_rgb_std, &stated));
     const char *key = json_is_number(json_object_get(o, "alpha")) ? "alpha" : "roughness";
     IGI_TRY(igi_read_number(r, m->region, o, key, &m->alpha));
     if (!(m->alpha > 0 && m->alpha <= 1))

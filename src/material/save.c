@@ -147,6 +147,8 @@ static igi_status region_json(igi_context *ctx, const igi_material *m, int bands
     bad |= json_object_set_new(o, "specular_rgb",
                                glossy && m->specular_is_rgb ? numbers(m->specular_rgb, bands)
                                                             : json_null());
+    if (glossy && m->specular_is_rgb)
+        bad |= json_object_set_new(o, "specular_rgb_std", numbers(m->specular_rgb_std, bands));
     bad |= json_object_set_new(o, "alpha", glossy ? number(m->alpha) : json_null());
     bad |= json_object_set_new(o, "alpha_std", glossy ? number(m->alpha_std) : json_null());
     bad |= json_object_set_new(o, "observed", number(m->observed));

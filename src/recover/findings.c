@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* No dielectric mirrors more of light that falls on it at right angles (diamond .17, rutile .2); metals
- * do, and nothing comes back from inside of them. */
+/* No dielectric mirrors more of light that falls on it at right angles (diamond .17, rutile .2), or mirrors
+ * it in a colour; metals do, and nothing comes back from inside of them. */
 #define METAL_SPECULAR 0.25
 
 /* rho_s of plastic and varnish; less goes without saying. */
@@ -100,7 +100,12 @@ static igi_status set_lobe(igi_context *ctx, const igi_lobe_estimate *e, int ban
     m->specular = e->specular;
     m->alpha = e->alpha;
     IGI_TRY(set_lobe_errors(ctx, e, m));
-    for (int b = 0; b < bands; b++) m->specular_rgb[b] = e->specular;
+    m->specular_is_rgb = e->colour.found;
+    for (int b = 0; b < bands; b++) {
+        double std = igi_lobe_coefficient_std(e, b);
+        m->specular_rgb[b] = igi_lobe_coefficient(e, b);
+        m->specular_rgb_std[b] = isfinite(std) ? std : m->specular_rgb[b];
+    }
     char *sentence;
     if (e->alpha < (double)IGI_SHARP_ALPHA && e->alpha < IGI_BOUND_SIGMAS * e->alpha_std) {
         IGI_TRY(igi_strprintf(
@@ -196,18 +201,20 @@ void igi_pattern_settle(const igi_diffuse *d, igi_materials *m)
 igi_status igi_metal_settle(igi_context *ctx, int bands, igi_material *m)
 {
     double most = 0;
-    if (m->model == IGI_LAMBERT || m->specular < METAL_SPECULAR || m->textured) return IGI_OK;
+    if (m->model == IGI_LAMBERT || m->textured) return IGI_OK;
+    if (m->specular < METAL_SPECULAR && !m->specular_is_rgb) return IGI_OK;
     for (int b = 0; b < bands; b++) {
         if (m->albedo[b] > IGI_BOUND_SIGMAS * m->albedo_std[b]) return IGI_OK;
-        most = fmax(most,
-                    fmin(1 - m->specular, m->albedo[b] + IGI_BOUND_SIGMAS * m->albedo_std[b]));
+        most = fmax(
+            most, fmin(1 - m->specular_rgb[b], m->albedo[b] + IGI_BOUND_SIGMAS * m->albedo_std[b]));
     }
     for (int b = 0; b < bands; b++) m->albedo[b] = 0;
     char *sentence;
     IGI_TRY(igi_strprintf(ctx, &sentence,
-                          "it mirrors as much as metals alone do, and what is seen beside its lobe "
+                          "it mirrors %s metals alone do, and what is seen beside its lobe "
                           "leaves open whether there is a diffuse part (at most %.2g): none is "
                           "assumed",
+                          m->specular < METAL_SPECULAR ? "in a colour, as" : "as much as",
                           fmax(0, most)));
     return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }

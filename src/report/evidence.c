@@ -27,6 +27,8 @@ static json_t *tried_json(const igi_model_evidence *e)
     bad |= json_object_set_new(o, "specular_std", number(e->specular_std));
     bad |= json_object_set_new(o, "alpha", number(e->alpha));
     bad |= json_object_set_new(o, "at_bound", json_boolean(e->at_bound));
+    bad |= json_object_set_new(o, "coloured", json_boolean(e->coloured));
+    bad |= json_object_set_new(o, "colour_gain", number(e->colour_gain));
     if (!bad) return o;
     json_decref(o);
     return NULL;
@@ -37,9 +39,9 @@ static json_t *region_json(const igi_material *m, const igi_region_evidence *e, 
 {
     json_t *o = json_object(), *tried = json_array();
     size_t texels = m->textured && m->map ? (size_t)m->map->width * (size_t)m->map->height : 0;
+    int lobe = m->model == IGI_LAMBERT ? 0 : m->specular_is_rgb ? bands + 1 : 2;
     int bad = json_object_set_new(o, "model", json_string(igi_model_name(m->model)));
-    bad |= json_object_set_new(o, "parameters",
-                               json_integer(bands + (m->model == IGI_LAMBERT ? 0 : 2)));
+    bad |= json_object_set_new(o, "parameters", json_integer(bands + lobe));
     bad |= json_object_set_new(o, "texels", json_integer((json_int_t)texels));
     bad |= json_object_set_new(o, "gathered_rays", json_integer((json_int_t)e->gathered_rays));
     bad |= json_object_set_new(o, "lobe_rays", json_integer((json_int_t)e->lobe_rays));

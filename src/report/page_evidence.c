@@ -72,6 +72,12 @@ static void print_reason(const igi_page *page, const json_t *t, const char *mode
                 "light",
                 100 * before, 100 * after);
         if (isfinite(sigmas)) fprintf(f, "; &rho;<sub>s</sub> is %.0f&thinsp;&sigma;", sigmas);
+        if (json_is_true(json_object_get(t, "coloured")))
+            fprintf(
+                f,
+                "; in each band it has a strength of its own, as metals have, which gains %+.3f "
+                "more of a residual",
+                number(t, "colour_gain") / number(t, "residuals"));
         return;
     }
     if (!isfinite(number(t, "gain"))) fputs("too few usable pixels to judge by", f);

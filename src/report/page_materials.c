@@ -34,8 +34,12 @@ static void print_lobe(const igi_page *page, const igi_material *m)
         fputs("<td data-v=\"0\">&ndash;</td><td data-v=\"0\">&ndash;</td>", f);
         return;
     }
-    fprintf(f, "<td data-v=\"%.6g\">%.4f <span class=\"soft\">&plusmn; %.1g</span></td>",
-            m->specular, m->specular, m->specular_std);
+    fprintf(f, "<td data-v=\"%.6g\">%.4f <span class=\"soft\">&plusmn; %.1g</span>", m->specular,
+            m->specular, m->specular_std);
+    for (int b = 0; b < page->materials->bands && m->specular_is_rgb; b++)
+        fprintf(f, "%s%.3f <span class=\"soft\">&plusmn; %.1g</span>", b ? ", " : "<br>",
+                m->specular_rgb[b], m->specular_rgb_std[b]);
+    fputs("</td>", f);
     fprintf(f, "<td data-v=\"%.6g\">%.4f <span class=\"soft\">&plusmn; %.1g</span></td>", m->alpha,
             m->alpha, m->alpha_std);
 }

@@ -80,6 +80,11 @@ static double in_sigmas(double got, double want, double std)
     return std > 0 && !isinf(std) ? (got - want) / std : (double)NAN;
 }
 
+static double coefficient(const igi_material *m, int band)
+{
+    return m->specular_is_rgb ? m->specular_rgb[band] : m->specular;
+}
+
 static igi_status compare_region(igi_context *ctx, const igi_material *got,
                                  const igi_material *want, int bands, igi_region_error *error)
 {
@@ -95,6 +100,8 @@ static igi_status compare_region(igi_context *ctx, const igi_material *got,
         error->sigmas = fmax(error->sigmas, fabs(error->albedo_z[b])); /* fmax passes over NaN */
     }
     error->got = got->model;
+    error->coloured = got->model != IGI_LAMBERT && got->specular_is_rgb;
+    error->want_coloured = want->model != IGI_LAMBERT && want->specular_is_rgb;
     if (got->model != IGI_LAMBERT) {
         error->specular_values[0] = got->specular;
         error->specular_values[1] = got->specular_std;
@@ -106,7 +113,13 @@ static igi_status compare_region(igi_context *ctx, const igi_material *got,
         error->alpha_values[2] = want->alpha;
     }
     if (want->model == IGI_LAMBERT) return IGI_OK;
-    error->specular = fabs(got->specular - want->specular) / want->specular;
+    error->specular = 0;
+    for (int b = 0; b < bands; b++)
+        error->specular += fabs(coefficient(got, b) - coefficient(want, b)) / want->specular /
+                           bands;
+    for (int b = 0; b < bands && error->coloured && error->want_coloured; b++)
+        error->specular_rgb_z[b] = in_sigmas(got->specular_rgb[b], want->specular_rgb[b],
+                                             got->specular_rgb_std[b]);
     error->specular_z = in_sigmas(got->specular, want->specular, got->specular_std);
     error->alpha_z = in_sigmas(got->alpha, want->alpha, got->alpha_std);
     error->alpha = got->alpha > 0 ? fabs(got->alpha - want->alpha) / want->alpha : 1;
@@ -137,7 +150,8 @@ static igi_status compare_all(igi_context *ctx, const igi_materials *got, const 
                                     .specular_z = none,
                                     .alpha_z = none,
                                     .want = w->model};
-        for (int b = 0; b < IGI_MAX_BANDS; b++) error->albedo_z[b] = none;
+        for (int b = 0; b < IGI_MAX_BANDS; b++)
+            error->albedo_z[b] = error->specular_rgb_z[b] = none;
         for (int k = 0; k < 3; k++) error->specular_values[k] = error->alpha_values[k] = none;
         IGI_TRY(igi_strdup(ctx, w->region, &error->region));
         error->judged = !w->emitter && w->observed >= LEAST_SEEN;

@@ -32,12 +32,14 @@ typedef struct igi_highlights {
     int lobe_samples;  /* of which the first are to surfaces, the others to lamps */
     float pixel_angle; /* radians across a pixel, of the cameras' mean */
     int bands;
-    size_t groups;         /* pixels of one group show one albedo: a region, or one of its points */
-    uint32_t *group;       /* [count] rising */
-    uint32_t *observation; /* [count] */
-    uint32_t *piece;       /* [count] pixels of one piece of the surface share errors */
-    float *radiance;       /* [count][bands] as photographed */
-    float *irradiance;     /* [count][bands] */
+    const double
+        *tint;       /* [bands] of the lobe that is looked for, 1 on average; NULL: it has none */
+    size_t groups;   /* pixels of one group show one albedo: a region, or one of its points */
+    uint32_t *group; /* [count] rising */
+    uint32_t *observation;            /* [count] */
+    uint32_t *piece;                  /* [count] pixels of one piece of the surface share errors */
+    float *radiance;                  /* [count][bands] as photographed */
+    float *irradiance;                /* [count][bands] */
     igi_direction_sample *directions; /* [count][samples] */
     float *incident;                  /* [count][samples][bands] */
 } igi_highlights;

@@ -6,12 +6,16 @@
  */
 #include "specular/lobe_fit.h"
 
+#include "specular/lobe_colour.h"
 #include "specular/lobe_polish.h"
 #include "specular/lobe_search.h"
 
 #include <string.h>
 
 #define POLISHES 3
+#define TINTS 3
+#define MODEL_GAIN 10
+#define MODEL_SHARE 0.02
 #define NOTHING 0.5 /* of -2 ln likelihood */
 #define FEWEST_RESIDUALS 10
 #define FINEST_RATIO 1.003
@@ -25,6 +29,11 @@
 /* Of a pixel's angle: a roughness as small is not known, since its square is what pixels blur. */
 #define UNRESOLVED 0.3
 #define SHARP_SPECULAR 0.3 /* of what the sharpness leaves open of alpha */
+
+double igi_lobe_margin(const igi_lobe_estimate *e)
+{
+    return MODEL_GAIN + MODEL_SHARE * e->residuals;
+}
 
 /* How much of <S_perp, S_perp> lamps bring, at the table's only roughness. */
 static double find_lamp_share(igi_profile *f, const igi_lobe_table *one)
@@ -45,6 +54,8 @@ static void widen(const igi_highlights *h, igi_lobe_estimate *e)
     double alpha = hypot(hypot(BLIND_ALPHA * blind, COMMON), sharp);
     e->specular_std = hypot(e->specular_std, specular * e->specular);
     e->alpha_std = hypot(e->alpha_std, alpha * e->alpha);
+    for (int b = 0; b < h->bands && h->tint; b++)
+        e->colour.std[b] = hypot(e->colour.std[b], specular * e->specular * h->tint[b]);
 }
 
 /* Takes the polished values as long as they are the likelier ones, judged by a table of their own,
@@ -68,6 +79,9 @@ static igi_status take_polished(igi_context *ctx, igi_profile *f, igi_lobe_estim
     now.alpha = polished->alpha;
     now.specular = polished->specular;
     for (size_t b = 0; b < f->bands; b++) now.albedo[b] = f->albedo[b];
+    igi_profile_column column = igi_profile_column_of(f, &one, 0);
+    (void)igi_profile_evaluate(f, &column);
+    igi_lobe_colour_look(f, &column, &now.colour);
     now.lamp_share = find_lamp_share(f, &one);
     *e = now;
 cleanup:
@@ -131,6 +145,43 @@ cleanup:
     return status;
 }
 
+/* The same lobe in the colour that the bands ask for, where that gains enough. The tint of a lobe is told
+ * by how bright it is in each band, its width by what all bands show with that tint: in turn. */
+static igi_status try_colour(igi_context *ctx, const igi_highlights *highlights,
+                             igi_lobe_estimate *e)
+{
+    igi_status status = IGI_OK;
+    igi_highlights tinted = *highlights;
+    double tint[IGI_MAX_BANDS];
+    igi_profile f;
+    igi_lobe_estimate found = *e;
+    for (int b = 0; b < tinted.bands; b++) tint[b] = 1;
+    tinted.tint = tint;
+    IGI_TRY(igi_profile_create(ctx, &tinted, &f));
+    for (int round = 0; round < TINTS && found.specular > 0; round++) {
+        double mean = 0;
+        for (int b = 0; b < tinted.bands; b++) {
+            tint[b] *= found.colour.tint[b];
+            mean += tint[b] / tinted.bands;
+        }
+        for (int b = 0; b < tinted.bands; b++) tint[b] /= mean;
+        double near_alpha = found.alpha;
+        if (!judge_plain(&f, e->model, &found)) goto cleanup;
+        found.alpha = near_alpha;
+        IGI_TRY_GOTO(fit_finely(ctx, &f, e->model, &found));
+    }
+    e->colour.gain = e->deviance - found.deviance;
+    if (!(found.specular > 0) || found.at_bound > e->at_bound) goto cleanup;
+    if (!(e->colour.gain > igi_lobe_colour_margin(e, tinted.bands))) goto cleanup;
+    found.colour.found = true;
+    found.colour.gain = e->colour.gain;
+    for (int b = 0; b < tinted.bands; b++) found.colour.tint[b] = tint[b];
+    *e = found;
+cleanup:
+    igi_profile_clear(&f);
+    return status;
+}
+
 igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_model model,
                         double near_alpha, igi_lobe_estimate *estimate)
 {
@@ -141,6 +192,9 @@ igi_status igi_lobe_fit(igi_context *ctx, const igi_highlights *highlights, igi_
     estimate->alpha = near_alpha;
     if (!(near_alpha > 0)) IGI_TRY_GOTO(igi_lobe_search(ctx, &f, model, estimate));
     IGI_TRY_GOTO(fit_finely(ctx, &f, model, estimate));
+    if (estimate->specular > 0 &&
+        estimate->colour.gain > igi_lobe_colour_margin(estimate, highlights->bands))
+        IGI_TRY_GOTO(try_colour(ctx, highlights, estimate));
 cleanup:
     igi_profile_clear(&f);
     return status;

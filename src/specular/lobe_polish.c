@@ -10,6 +10,8 @@
 #include "bridge/least_squares.h"
 #include "specular/jackknife.h"
 
+#include <string.h>
+
 #define FINE IGI_POLISH_ALPHAS
 
 typedef struct polish {
@@ -17,6 +19,7 @@ typedef struct polish {
     const igi_lobe_table *t;
     size_t *begin; /* [groups + 1] pixels of a group */
     double logs[FINE];
+    size_t first_band, last_band; /* the others tell nothing */
 } polish;
 
 /* Lagrange's weights at x = ln alpha, and their derivatives. */
@@ -62,7 +65,12 @@ static bool group_residuals(void *user, size_t group, const double *parameters, 
     double weights[FINE], slopes[FINE], rho = parameters[0];
     lagrange(p, parameters[1], weights, slopes);
     size_t first = p->begin[group], last = p->begin[group + 1];
-    for (size_t b = 0; b < f->bands; b++) {
+    if (p->last_band - p->first_band < f->bands) {
+        size_t size = (last - first) * f->bands;
+        memset(residuals, 0, size * sizeof *residuals);
+        if (jacobian) memset(jacobian, 0, 2 * size * sizeof *jacobian);
+    }
+    for (size_t b = p->first_band; b < p->last_band; b++) {
         double ee = 0, re = 0, se = 0, de = 0;
         for (size_t i = first; i < last; i++) {
             size_t k = i * f->bands + b, at = (i - first) * f->bands + b;
@@ -139,7 +147,7 @@ igi_status igi_lobe_polish(igi_context *ctx, const igi_profile *f, const igi_lob
                            igi_lobe_estimate *e)
 {
     igi_status status = IGI_OK;
-    polish p = {.f = f, .t = t};
+    polish p = {.f = f, .t = t, .last_band = f->bands};
     int *sizes = NULL;
     double x[2] = {e->specular, log(e->alpha)}, covariance[4], jackknife[4];
     igi_least_squares_result result;
@@ -162,6 +170,12 @@ igi_status igi_lobe_polish(igi_context *ctx, const igi_profile *f, const igi_lob
     e->noise_std = sqrt(covariance[0]);
     e->specular_std = sqrt(fmax(covariance[0], jackknife[0]));
     e->alpha_std = e->alpha * sqrt(fmax(covariance[3], jackknife[3]));
+    for (size_t b = 0; b < f->bands && f->h->tint; b++) {
+        p.first_band = b;
+        p.last_band = b + 1;
+        IGI_TRY_GOTO(igi_jackknife(ctx, &problem, x, f->h->piece, f->bands, jackknife));
+        e->colour.std[b] = f->h->tint[b] * sqrt(fmax(covariance[0], jackknife[0]));
+    }
 cleanup:
     igi_free(p.begin);
     igi_free(sizes);

@@ -100,9 +100,11 @@ static float product(const float *restrict x, const float *restrict y, size_t co
 }
 
 /* One column of one pixel, [bands] each. */
-static void tabulate_column(workspace *w, const igi_lobe_table *t, size_t a, size_t bands,
-                            size_t to)
+static void tabulate_column(workspace *w, const igi_lobe_table *t, size_t a,
+                            const igi_highlights *h, size_t to)
 {
+    size_t bands = (size_t)h->bands;
+    const double *tint = h->tint;
     igi_lobe_pairs *p = &w->pairs;
     const size_t *begin = w->begin;
     igi_lobe_pairs_evaluate(p, t->alphas[a], 0, p->count);
@@ -115,6 +117,11 @@ static void tabulate_column(workspace *w, const igi_lobe_table *t, size_t a, siz
         t->scale[to + b] = first + second + part[4];
         t->lamps[to + b] = part[2] + part[3] + part[4];
         t->noise[to + b] = (first - second) * (first - second);
+        if (tint) {
+            t->scale[to + b] *= (float)tint[b];
+            t->lamps[to + b] *= (float)tint[b];
+            t->noise[to + b] *= (float)(tint[b] * tint[b]);
+        }
         if (t->base) t->base[to + b] = product(p->values, w->schlick + b * p->room, p->count);
     }
 }
@@ -132,7 +139,7 @@ static igi_status tabulate(igi_context *ctx, void *user, size_t task, int worker
     for (size_t i = task * PIXELS_A_TASK; i < end; i++) {
         take_pixel(&w, h, i);
         for (size_t a = 0; a < j->table->alpha_count; a++)
-            tabulate_column(&w, j->table, a, bands, (i * j->table->alpha_count + a) * bands);
+            tabulate_column(&w, j->table, a, h, (i * j->table->alpha_count + a) * bands);
     }
 cleanup:
     clear_workspace(&w);

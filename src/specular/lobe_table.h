@@ -10,7 +10,8 @@
 #define IGI_TABLE_ALPHAS 28 /* at most */
 
 /* The specular radiance of pixel i at roughness alphas[a] is rho_s scale[i][a] + base[i][a], per
- * band: scale[count][alpha_count][bands]; base is NULL but for ggx. noise is the variance of scale
+ * band, with the highlights' tint in the scale: scale[count][alpha_count][bands]; base is NULL but for
+ * ggx. noise is the variance of scale
  * that the choice of directions leaves: (A - B)^2 for halves A + B = scale. */
 typedef struct igi_lobe_table {
     igi_model model;

@@ -19,8 +19,6 @@
 #define HINT_SHARE 0.03
 #define HINT_NOISE 0.2
 #define SHARP_SHARE 0.01
-#define MODEL_GAIN 10
-#define MODEL_SHARE 0.02
 /* Candidates of which each step chooses its pixels, at most. */
 #define GLANCE_SCORED 4000
 #define SEARCH_SCORED 20000
@@ -69,19 +67,13 @@ static bool is_per_point(const igi_problem *p, size_t region)
     return p->scene->regions[region].textured == IGI_YES;
 }
 
-/* How much better a family must be: more than the noise of such differences, a share of all residuals. */
-static double margin_of(const igi_lobe_estimate *e)
-{
-    return MODEL_GAIN + MODEL_SHARE * e->residuals;
-}
-
 /* A later model must be better by more than the noise of such differences, which for sharp lobes is
  * that of S: a share of all that the lobe explains; and a lobe that ran into
  * an end of what is looked for is none. */
 static bool is_better(const igi_lobe_estimate *later, const igi_lobe_estimate *best)
 {
     if (later->at_bound != best->at_bound) return best->at_bound;
-    double margin = margin_of(later);
+    double margin = igi_lobe_margin(later);
     if (best->alpha < (double)IGI_SHARP_ALPHA)
         margin += SHARP_SHARE * fmax(0, best->plain_deviance - best->deviance);
     return later->deviance < best->deviance - margin;
@@ -139,7 +131,9 @@ static void record(const stage *s, size_t region, const char *look, const igi_lo
         .specular = e->specular,
         .specular_std = e->specular_std,
         .alpha = e->alpha,
-        .at_bound = e->at_bound};
+        .at_bound = e->at_bound,
+        .coloured = e->colour.found,
+        .colour_gain = e->colour.gain};
 }
 
 /* A first look with few pixels: is there a lobe at all? */
@@ -159,7 +153,7 @@ static igi_status glance_at_region(igi_context *ctx, const stage *s, size_t regi
 /* The family that fits best beside the chosen one, unless it fits worse by more than the margin. */
 static void find_alike(const igi_lobe_estimate *found, size_t count, igi_lobe_estimate *best)
 {
-    double least = best->deviance + margin_of(best);
+    double least = best->deviance + igi_lobe_margin(best);
     for (size_t i = 0; i < count; i++) {
         if (found[i].model == best->model || found[i].at_bound || found[i].deviance > least)
             continue;
@@ -188,7 +182,8 @@ static igi_status fit_region(igi_context *ctx, const stage *s, size_t region,
             broad = *found;
     }
     find_alike(all, count, best);
-    if (broad.at_bound && !best->at_bound && best->deviance > broad.deviance - margin_of(best)) {
+    if (broad.at_bound && !best->at_bound &&
+        best->deviance > broad.deviance - igi_lobe_margin(best)) {
         best->broader = broad.model;
         best->broader_specular = broad.specular;
         best->broader_alpha = broad.alpha;
@@ -227,7 +222,8 @@ static void take_lobe(igi_lobe *lobe, igi_lobe_estimate *e, double share, int ba
     if (!earned) e->model = IGI_LAMBERT;
     lobe->model = e->model;
     lobe->alpha = (float)e->alpha;
-    for (int b = 0; b < bands; b++) lobe->specular[b] = earned ? (float)e->specular : 0;
+    for (int b = 0; b < bands; b++)
+        lobe->specular[b] = earned ? (float)igi_lobe_coefficient(e, b) : 0;
 }
 
 /* All models that can be told apart; the one that the user asks for comes first. */
@@ -461,10 +457,14 @@ static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diff
         const igi_lobe_estimate *e = &s->estimates[r];
         double *std = d->albedo_std[r];
         bool found = s->lobes[r].model != IGI_LAMBERT && e->specular > 0;
-        double known = found ? hypot(e->specular_std / e->specular, MIRRORED) : 0;
-        for (size_t b = 0; b < bands && received[r][b] > 0; b++)
+        for (size_t b = 0; b < bands && received[r][b] > 0; b++) {
+            double known = found ? hypot(igi_lobe_coefficient_std(e, (int)b) /
+                                             igi_lobe_coefficient(e, (int)b),
+                                         MIRRORED)
+                                 : 0;
             std[b] = hypot(std[b], found ? lobe[r][b] / received[r][b] * fmin(1, known)
                                          : s->doubts[r].share[b] * d->albedo[r][b]);
+        }
     }
 cleanup:
     igi_free(lobe);
