@@ -7,6 +7,8 @@
 
 #include <igi/base.h>
 
+#include <stdarg.h>
+
 /* Leaves the sentence "igi"-style (`FILE[:LINE]: what is wrong; what to do`) in the context and
  * returns `status`, so that one writes `return igi_fail(ctx, IGI_E_DATA, "%s:%d: ...", ...)`. */
 igi_status igi_fail(igi_context *ctx, igi_status status, const char *format, ...) IGI_PRINTF(3, 4);
@@ -44,6 +46,8 @@ IGI_MUST_USE igi_status igi_strdup(igi_context *ctx, const char *text, char **co
 /* A formatted string of its own. */
 IGI_MUST_USE igi_status igi_strprintf(igi_context *ctx, char **text, const char *format, ...)
     IGI_PRINTF(3, 4);
+IGI_MUST_USE igi_status igi_vstrprintf(igi_context *ctx, char **text, const char *format,
+                                       va_list args) IGI_PRINTF(3, 0);
 
 /* Adds a sentence to a list of them, which owns it from then on; frees it when there is no room. */
 IGI_MUST_USE igi_status igi_add_sentence(igi_context *ctx, char ***list, size_t *count,

@@ -59,19 +59,26 @@ igi_status igi_strdup(igi_context *ctx, const char *text, char **copy)
     return IGI_OK;
 }
 
+igi_status igi_vstrprintf(igi_context *ctx, char **text, const char *format, va_list args)
+{
+    va_list measured;
+    va_copy(measured, args);
+    int length = vsnprintf(NULL, 0, format, measured);
+    va_end(measured);
+    *text = NULL;
+    if (length < 0) return igi_fail(ctx, IGI_E_INTERNAL, "text: format '%s' failed", format);
+    IGI_TRY(IGI_ALLOC(ctx, (size_t)length + 1, text));
+    vsnprintf(*text, (size_t)length + 1, format, args);
+    return IGI_OK;
+}
+
 igi_status igi_strprintf(igi_context *ctx, char **text, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    int length = vsnprintf(NULL, 0, format, args);
+    igi_status status = igi_vstrprintf(ctx, text, format, args);
     va_end(args);
-    *text = NULL;
-    if (length < 0) return igi_fail(ctx, IGI_E_INTERNAL, "text: format '%s' failed", format);
-    IGI_TRY(IGI_ALLOC(ctx, (size_t)length + 1, text));
-    va_start(args, format);
-    vsnprintf(*text, (size_t)length + 1, format, args);
-    va_end(args);
-    return IGI_OK;
+    return status;
 }
 
 igi_status igi_add_sentence(igi_context *ctx, char ***list, size_t *count, char *sentence)

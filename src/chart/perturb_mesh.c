@@ -4,6 +4,7 @@
  * depends on where it is.
  */
 #include "chart/sweep.h"
+#include "scene/mesh.h"
 
 #include <string.h>
 
@@ -56,14 +57,11 @@ static igi_status scale(igi_context *ctx, const chart_change *c, double severity
     (void)ctx;
     (void)c;
     igi_mesh *mesh = &s->scene->mesh;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++) {
-        low[i % 3] = fmin(low[i % 3], (double)mesh->positions[i]);
-        high[i % 3] = fmax(high[i % 3], (double)mesh->positions[i]);
-    }
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++) {
-        double middle = (low[i % 3] + high[i % 3]) / 2;
-        mesh->positions[i] += (float)(severity * ((double)mesh->positions[i] - middle));
+    igi_box box = igi_mesh_box(mesh);
+    igi_vec middle = igi_scale(igi_add(box.low, box.high), .5f);
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        float *p = mesh->positions + 3 * i;
+        move_vertex(p, igi_sub(igi_v_of(p), middle), severity);
     }
     return IGI_OK;
 }
@@ -231,15 +229,13 @@ static igi_status outline(igi_context *ctx, const chart_change *c, double severi
     (void)ctx;
     (void)c;
     igi_mesh *mesh = &s->scene->mesh;
-    igi_vec low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+    igi_box lamps = igi_box_empty();
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         igi_vec p[3];
         corners_of(mesh, t, p);
-        for (int i = 0; i < 3 && is_emitter(s->scene, t); i++) {
-            low = igi_v(fminf(low.x, p[i].x), fminf(low.y, p[i].y), fminf(low.z, p[i].z));
-            high = igi_v(fmaxf(high.x, p[i].x), fmaxf(high.y, p[i].y), fmaxf(high.z, p[i].z));
-        }
+        for (int i = 0; i < 3 && is_emitter(s->scene, t); i++) igi_box_add(&lamps, p[i]);
     }
+    igi_vec low = lamps.low, high = lamps.high;
     if (!(low.x <= high.x)) return IGI_E_NO_ANSWER;
     igi_vec middle = igi_scale(igi_add(low, high), .5f);
     float slack = 1e-4f * igi_length(igi_sub(high, low));

@@ -4,6 +4,7 @@
  */
 #include "chart/speed.h"
 #include "chart/sweep.h"
+#include "scene/mesh.h"
 
 #include <igi/output.h>
 
@@ -22,17 +23,6 @@ static void clear_subject(speed_subject *s)
     igi_materials_destroy(s->truth);
     igi_scene_destroy(s->scene);
     *s = (speed_subject){0};
-}
-
-static double diagonal(const igi_mesh *mesh)
-{
-    igi_vec low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t v = 0; v < mesh->vertex_count; v++) {
-        const float *p = mesh->positions + 3 * v;
-        low = (igi_vec){fminf(low.x, p[0]), fminf(low.y, p[1]), fminf(low.z, p[2])};
-        high = (igi_vec){fmaxf(high.x, p[0]), fmaxf(high.y, p[1]), fmaxf(high.z, p[2])};
-    }
-    return (double)igi_length(igi_sub(high, low));
 }
 
 /* Under lights that recovery never saw, as the first camera sees it. */
@@ -66,7 +56,8 @@ static igi_status load_subject(igi_context *ctx, const char *folder, bool relit,
     s->load_s = igi_cpu_seconds() - began;
     IGI_TRY_GOTO(igi_strprintf(ctx, &path, "%s/truth", folder));
     IGI_TRY_GOTO(igi_materials_load(ctx, path, &s->truth));
-    s->patch_m = PATCH_SHARE * diagonal(&s->scene->mesh);
+    igi_box box = igi_mesh_box(&s->scene->mesh);
+    s->patch_m = PATCH_SHARE * (double)igi_box_diagonal(&box);
     if (relit) IGI_TRY_GOTO(load_relit(ctx, folder, s));
 cleanup:
     igi_free(path);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
+#include <string.h>
 
 const char *igi_verdict_name(igi_verdict verdict)
 {
@@ -20,36 +20,41 @@ igi_assumption *igi_case_add(const igi_case *c, const char *name)
 igi_status igi_case_find(const igi_case *c, igi_assumption *a, igi_verdict verdict, double number,
                          const char *format, ...)
 {
-    char text[512];
     va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
     a->verdict = verdict;
     a->number = number;
     if (verdict > c->check->verdict) c->check->verdict = verdict;
-    return igi_strdup(c->ctx, text, &a->finding);
+    va_start(arguments, format);
+    igi_status status = igi_vstrprintf(c->ctx, &a->finding, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+/* The remedy so far becomes the reason why a photograph from there is to be taken. */
+static igi_status add_photograph(const igi_case *c, igi_assumption *a, const igi_advice *advice)
+{
+    const double eye[3] = {(double)advice->eye.x, (double)advice->eye.y, (double)advice->eye.z};
+    const double target[3] = {(double)advice->target.x, (double)advice->target.y,
+                              (double)advice->target.z};
+    char *why = a->remedy;
+    a->has_view = true;
+    memcpy(a->eye, eye, sizeof eye);
+    memcpy(a->target, target, sizeof target);
+    igi_status status = igi_strprintf(
+        c->ctx, &a->remedy,
+        "add a photograph from about (%.2f %.2f %.2f) looking at (%.2f %.2f %.2f): %s", eye[0],
+        eye[1], eye[2], target[0], target[1], target[2], why);
+    igi_free(why);
+    return status;
 }
 
 igi_status igi_case_remedy(const igi_case *c, igi_assumption *a, const igi_advice *advice,
                            const char *format, ...)
 {
-    char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    igi_status status = igi_vstrprintf(c->ctx, &a->remedy, format, arguments);
     va_end(arguments);
-    if (!advice || !(advice->gain > 0)) return igi_strdup(c->ctx, text, &a->remedy);
-    const igi_vec e = advice->eye, t = advice->target;
-    a->has_view = true;
-    const float eye[3] = {e.x, e.y, e.z}, target[3] = {t.x, t.y, t.z};
-    for (int k = 0; k < 3; k++) {
-        a->eye[k] = (double)eye[k];
-        a->target[k] = (double)target[k];
-    }
-    return igi_strprintf(
-        c->ctx, &a->remedy,
-        "add a photograph from about (%.2f %.2f %.2f) looking at (%.2f %.2f %.2f): "
-        "%s",
-        (double)e.x, (double)e.y, (double)e.z, (double)t.x, (double)t.y, (double)t.z, text);
+    if (status != IGI_OK || !advice || !(advice->gain > 0)) return status;
+    return add_photograph(c, a, advice);
 }

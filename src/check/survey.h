@@ -18,11 +18,10 @@ typedef struct igi_survey {
     igi_patches *patches;
     igi_light *lights; /* [light_count] the scene's; an area light that is seen has a value */
     igi_lighting *lighting;
-    uint32_t *seen;       /* [2 patches] pixels of a side */
-    float *radiance;      /* [2 patches][bands] their mean */
-    uint8_t *views;       /* [2 patches] photographs that show a side; 255: so many or more */
-    float *cosine;        /* [2 patches] of the view nearest its normal; 0: none */
-    double unseen_unseen; /* share of what unseen sides face that is unseen itself */
+    uint32_t *seen;  /* [2 patches] pixels of a side */
+    float *radiance; /* [2 patches][bands] their mean */
+    uint8_t *views;  /* [2 patches] photographs that show a side; 255: so many or more */
+    float *cosine;   /* [2 patches] of the view nearest its normal; 0: none */
 } igi_survey;
 
 IGI_MUST_USE igi_status igi_survey_create(igi_context *ctx, const igi_scene *scene,
@@ -40,9 +39,6 @@ IGI_MUST_USE igi_status igi_survey_coverage(igi_context *ctx, igi_survey *survey
 IGI_MUST_USE igi_status igi_survey_views(igi_context *ctx, const igi_survey *survey,
                                          igi_check *check);
 
-/* Does this direction, from this point, meet a lamp, or pass within a few degrees of one without
- * size? */
-bool igi_survey_meets_lamp(const igi_survey *survey, igi_vec point, igi_vec direction);
 /* Would a mirror at this point show a lamp to the eye? The normal is on the eye's side. */
 bool igi_survey_mirrors_lamp(const igi_survey *survey, igi_vec eye, igi_vec point, igi_vec normal);
 

@@ -54,7 +54,9 @@ static bool near_small_lamp(const igi_survey *s, size_t light, igi_vec point, ig
            !igi_light_hidden(s->tracer, point, &sample);
 }
 
-bool igi_survey_meets_lamp(const igi_survey *s, igi_vec point, igi_vec direction)
+/* Does this direction, from this point, meet a lamp, or pass within a few degrees of one without
+ * size? */
+static bool meets_lamp(const igi_survey *s, igi_vec point, igi_vec direction)
 {
     igi_vec x, y;
     igi_frame_of(direction, &x, &y);
@@ -76,7 +78,7 @@ bool igi_survey_mirrors_lamp(const igi_survey *s, igi_vec eye, igi_vec point, ig
     igi_vec way = igi_normalize(igi_sub(eye, point));
     igi_vec start = igi_madd(point, normal, 2 * igi_tracer_epsilon(s->tracer));
     igi_vec out = igi_sub(igi_scale(normal, 2 * igi_dot(way, normal)), way);
-    return igi_survey_meets_lamp(s, start, out);
+    return meets_lamp(s, start, out);
 }
 
 /* One place before one camera. */

@@ -130,8 +130,8 @@ static double edge_term(corner a, corner b, igi_vec n)
 }
 
 /* E = 1/2 |sum_i theta_i n.(v_i x v_i+1)/|v_i x v_i+1|| for a polygon of radiance 1 with corners v_i seen
- * from the point and clipped to the horizon (Lambert 1760). */
-float igi_emitter_irradiance(const emitter *e, igi_vec point, igi_vec normal)
+ * from the point and clipped to the horizon (Lambert 1760). The emitter's front is toward the point. */
+static float exact_irradiance(const emitter *e, igi_vec point, igi_vec normal)
 {
     corner in[3] = {corner_of(e->corner, point, normal),
                     corner_of(igi_add(e->corner, e->edge1), point, normal),
@@ -158,7 +158,7 @@ float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, 
     for (size_t i = 0; i < s->count; i++) {
         const emitter *e = &l->emitters[s->first + i];
         if (weights[i] < 0 && s->count > FEW_EMITTERS) weights[i] = weigh_middle(e, point, normal);
-        if (weights[i] < 0) weights[i] = igi_emitter_irradiance(e, point, normal);
+        if (weights[i] < 0) weights[i] = exact_irradiance(e, point, normal);
         sum += weights[i];
     }
     return sum;

@@ -53,11 +53,6 @@ void igi_emitters_angles(const igi_lighting *lighting, size_t first, size_t coun
  * the sum. */
 float igi_emitters_weigh(const igi_lighting *lighting, const source *s, igi_vec point,
                          igi_vec normal, float *weights);
-/* The same of one whose front is toward the point, in closed form. */
-float igi_emitter_irradiance(const emitter *e, igi_vec point, igi_vec normal);
-
-/* Intensity of a spot toward `direction`, for 1 within its beam. */
-float igi_spot_factor(const source *s, igi_vec direction);
 
 /* By which the bands of an environment count in its irradiance: share[bands], as they shine; alike,
  * when none does. */

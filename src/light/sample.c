@@ -7,7 +7,8 @@
 
 #define ANGLES_AT_ONCE 128
 
-float igi_spot_factor(const source *s, igi_vec direction)
+/* Intensity of a spot toward `direction`, for 1 within its beam. */
+static float spot_factor(const source *s, igi_vec direction)
 {
     float c = igi_dot(direction, s->axis);
     if (c <= s->cos_cutoff) return 0;
@@ -71,7 +72,7 @@ bool igi_light_sample_toward(const igi_lighting *lighting, size_t light, igi_vec
     case IGI_LIGHT_POINT: return sample_place(point, s->position, sample);
     case IGI_LIGHT_SPOT:
         if (!sample_place(point, s->position, sample)) return false;
-        sample->weight *= igi_spot_factor(s, igi_scale(sample->direction, -1));
+        sample->weight *= spot_factor(s, igi_scale(sample->direction, -1));
         return sample->weight > 0;
     case IGI_LIGHT_LINE:
         if (!sample_place(point, igi_madd(s->position, s->axis, u), sample)) return false;

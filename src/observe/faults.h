@@ -29,13 +29,7 @@ IGI_MUST_USE igi_status igi_faults_find(igi_context *ctx, const igi_observations
                                         const igi_agreement *agreement, igi_faults **faults);
 void igi_faults_destroy(igi_faults *faults);
 
-/* Leaves out and scales what the faults ask for, and adds a warning for each. */
-IGI_MUST_USE igi_status igi_observations_mend(igi_context *ctx, const igi_scene *scene,
-                                              const igi_agreement *agreement,
-                                              const igi_faults *faults,
-                                              igi_observations *observations);
-
-/* All together, and veils taken off: what recovery does. Lamps mirrored in surfaces look like faults of
+/* Leaves out photographs, scales them and takes veils off as the faults ask for, with a warning for each. Lamps mirrored in surfaces look like faults of
  * photographs: where lobes are to be looked for, what they may account for waits, and *waits says so. */
 IGI_MUST_USE igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,
                                                    bool lobes_follow,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "observe/glimpses.h"
 
+#include "base/box.h"
 #include "base/rng.h"
 #include "scene/camera.h"
 
@@ -42,21 +43,19 @@ static igi_vec point_of(const job *j, size_t i)
 /* The side of a cube and what is dark, from an even sample of the pixels. */
 static void look_around(job *j)
 {
-    igi_vec low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+    igi_box box = igi_box_empty();
     double pixel = 0, light = 0, n = 0;
     for (size_t k = 0; k < SIZE_SAMPLES && j->o->count > 0; k++) {
         size_t i = (size_t)((double)k / SIZE_SAMPLES * (double)j->o->count);
         const igi_camera *camera = &j->scene->frames[igi_observation_frame(j->o, i)].camera;
         igi_vec p = point_of(j, i);
-        low = (igi_vec){fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z)};
-        high = (igi_vec){fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z)};
+        igi_box_add(&box, p);
         pixel += (double)igi_length(igi_sub(p, igi_camera_centre(camera))) / camera->fl_x;
         light += brightness(j->o, i);
         n++;
     }
     j->dark = n > 0 ? fmax(DARK * light / n, 1e-30) : 1;
-    j->size = n > 0 ? fmaxf(CELL_SHARE * igi_length(igi_sub(high, low)),
-                            CELL_PIXELS * (float)(pixel / n))
+    j->size = n > 0 ? fmaxf(CELL_SHARE * igi_box_diagonal(&box), CELL_PIXELS * (float)(pixel / n))
                     : 1;
 }
 

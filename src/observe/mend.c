@@ -97,9 +97,9 @@ static igi_status warn_of_all(igi_context *ctx, const igi_faults *f, igi_observa
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
-igi_status igi_observations_mend(igi_context *ctx, const igi_scene *scene,
-                                 const igi_agreement *agreement, const igi_faults *faults,
-                                 igi_observations *observations)
+/* Leaves out and scales what the faults ask for, and adds a warning for each. */
+static igi_status mend(igi_context *ctx, const igi_scene *scene, const igi_agreement *agreement,
+                       const igi_faults *faults, igi_observations *observations)
 {
     for (size_t i = 0; i < faults->frame_count; i++) {
         igi_frame_fault f = faults->frames[i];
@@ -160,7 +160,7 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, igi_observatio
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, &g, agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, observations, *agreement, faults));
     if (waits) *waits = put_off(*faults);
-    IGI_TRY_GOTO(igi_observations_mend(ctx, scene, *agreement, *faults, observations));
+    IGI_TRY_GOTO(mend(ctx, scene, *agreement, *faults, observations));
     if (!is_mended(*faults)) goto cleanup;
     IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
     IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations, &lifted));
@@ -212,7 +212,7 @@ igi_status igi_observations_reconcile_rest(igi_context *ctx, const igi_scene *sc
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, &g, &agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, &rest, agreement, &faults));
     forget_edges(faults);
-    IGI_TRY_GOTO(igi_observations_mend(ctx, scene, agreement, faults, observations));
+    IGI_TRY_GOTO(mend(ctx, scene, agreement, faults, observations));
     *changed = is_mended(faults);
     if (!*changed) goto cleanup;
     IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));

@@ -15,11 +15,10 @@ typedef struct igi_need {
 } igi_need;
 
 typedef struct igi_choice {
-    igi_scene scene;   /* the whole one with fewer frames, of fewer pixels; all else is shared */
-    bool *read;        /* [frames of the whole scene] */
-    int reduce;        /* pixels of a photograph along one of the scene's */
-    size_t left_out;   /* frames */
-    double per_region; /* pixels of every region that were asked for, and are there */
+    igi_scene scene; /* the whole one with fewer frames, of fewer pixels; all else is shared */
+    bool *read;      /* [frames of the whole scene] */
+    int reduce;      /* pixels of a photograph along one of the scene's */
+    size_t left_out; /* frames */
 } igi_choice;
 
 /* By rays from every camera, before any photograph is read. Both scenes must outlive the choice. */

@@ -9,6 +9,7 @@
  */
 #include "recover/doubt.h"
 
+#include "base/box.h"
 #include "base/solve.h"
 
 #include <string.h>
@@ -133,18 +134,6 @@ static double jackknife(const search *q, const bulb *found)
     return sqrt(squares * (voices - 1) / fmax(1, voices));
 }
 
-static void find_room(const igi_light_shares *s, igi_vec *low, igi_vec *size)
-{
-    igi_vec high = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
-    *low = (igi_vec){HUGE_VALF, HUGE_VALF, HUGE_VALF};
-    for (size_t i = 0; i < s->count; i++) {
-        igi_vec at = s->looks[i].point;
-        *low = (igi_vec){fminf(low->x, at.x), fminf(low->y, at.y), fminf(low->z, at.z)};
-        high = (igi_vec){fmaxf(high.x, at.x), fmaxf(high.y, at.y), fmaxf(high.z, at.z)};
-    }
-    *size = igi_sub(high, *low);
-}
-
 static igi_vec place(igi_vec low, igi_vec size, const int at[3])
 {
     const float step = (float)(1 - 2 * MARGIN) / (STEPS - 1), first = (float)MARGIN;
@@ -176,9 +165,10 @@ static void look_roughly(search *q, igi_vec low, igi_vec size, bulb *best)
 /* About the best of a grid with shadows, ever nearer. */
 static void look_everywhere(search *q, bulb *best)
 {
-    igi_vec low, size;
     bulb found;
-    find_room(q->s, &low, &size);
+    igi_box room = igi_box_empty();
+    for (size_t i = 0; i < q->s->count; i++) igi_box_add(&room, q->s->looks[i].point);
+    igi_vec low = room.low, size = igi_box_sides(&room);
     double side = NEAREST * (double)igi_length(size);
     q->nearest2 = side * side;
     look_roughly(q, low, size, best);

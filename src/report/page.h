@@ -39,9 +39,7 @@ extern const char *const igi_page_script[];
 
 /* Text with HTML's characters escaped. */
 void igi_page_text(const igi_page *page, const char *text);
-/* An <img> with the bytes inside; `label` is its alternative text. */
-void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label);
-/* The same of pixels. */
+/* An <img> with the pixels inside; `label` is its alternative text. */
 IGI_MUST_USE igi_status igi_page_pixels(const igi_page *page, const uint8_t *pixels, int width,
                                         int height, int channels, const char *label);
 /* The same of a PNG file. */

@@ -35,7 +35,7 @@ static void print_base64(FILE *f, const uint8_t *bytes, size_t size)
     }
 }
 
-void igi_page_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label)
+static void put_png(const igi_page *page, const uint8_t *bytes, size_t size, const char *label)
 {
     fputs("<img alt=\"", page->file);
     igi_page_text(page, label);
@@ -59,7 +59,7 @@ igi_status igi_page_png_file(const igi_page *page, const char *path, const char 
         bytes = grown;
         n = fread(bytes + size, 1, 65536, file);
     }
-    igi_page_png(page, bytes, size, label);
+    put_png(page, bytes, size, label);
 cleanup:
     if (file) fclose(file);
     igi_free(bytes);
@@ -85,7 +85,7 @@ igi_status igi_page_pixels(const igi_page *page, const uint8_t *pixels, int widt
     uint8_t *bytes;
     size_t length;
     IGI_TRY(igi_image_encode_png(page->ctx, pixels, width, height, channels, &bytes, &length));
-    igi_page_png(page, bytes, length, label);
+    put_png(page, bytes, length, label);
     igi_image_free_bytes(bytes);
     return IGI_OK;
 }

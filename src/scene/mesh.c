@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define MAX_MESH_BYTES ((size_t)2 << 30)
-#define FARTHEST 2000.0 /* from the origin, in sizes of the mesh */
+#define FARTHEST 2000.0f /* from the origin, in sizes of the mesh */
 
 static igi_status check_indices(const igi_mesh_builder *b)
 {
@@ -135,28 +135,32 @@ cleanup:
     return status;
 }
 
+igi_box igi_mesh_box(const igi_mesh *mesh)
+{
+    igi_box box = igi_box_empty();
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++)
+        igi_box_add(&box, igi_v_of(mesh->positions + 3 * (size_t)mesh->triangles[i]));
+    return box;
+}
+
+static float largest(igi_vec v)
+{
+    return fmaxf(v.x, fmaxf(v.y, v.z));
+}
+
 /* Coordinates are kept in 32 bits: far from the origin, as surveys have them, too coarse for a room. */
 static igi_status check_place(igi_mesh_builder *b, const igi_mesh *mesh)
 {
-    double far = 0, size = 0, low[3];
-    for (int k = 0; k < 3; k++) {
-        double high = -(double)INFINITY;
-        low[k] = (double)INFINITY;
-        for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
-            double x = (double)mesh->positions[3 * (size_t)mesh->triangles[i] + (size_t)k];
-            low[k] = fmin(low[k], x);
-            high = fmax(high, x);
-        }
-        far = fmax(far, fmax(fabs(low[k]), fabs(high)));
-        size = fmax(size, high - low[k]);
-    }
+    igi_box box = igi_mesh_box(mesh);
+    float far = fmaxf(largest(box.high), largest(igi_scale(box.low, -1)));
+    float size = largest(igi_box_sides(&box));
     if (far < FARTHEST * size) return IGI_OK;
     return igi_mesh_builder_fail(
         b, 0,
         "the mesh is %.3g m large and lies %.3g m from the origin, too far "
         "for 32-bit coordinates; take (%.0f, %.0f, %.0f) from the places of "
         "mesh, cameras and lights",
-        size, far, low[0], low[1], low[2]);
+        (double)size, (double)far, (double)box.low.x, (double)box.low.y, (double)box.low.z);
 }
 
 static igi_status finish(igi_mesh_builder *b, igi_scene *scene)

@@ -4,39 +4,21 @@
  */
 #include "scene/plausible.h"
 
+#include "scene/camera.h"
+#include "scene/mesh.h"
 #include "scene/scene_notes.h"
 
 #include "base/context.h"
 
-#include <math.h>
-
 #define HALL 80.0       /* metres across: few rooms that are photographed from one corner */
 #define CORNER_SHARE 20 /* mesh across over cameras across; rooms have 1 to 5 */
 
-typedef struct box {
-    double low[3], high[3];
-} box;
-
-static void add(box *b, int k, double x)
-{
-    b->low[k] = fmin(b->low[k], x);
-    b->high[k] = fmax(b->high[k], x);
-}
-
-static double across(const box *b)
-{
-    return hypot(hypot(b->high[0] - b->low[0], b->high[1] - b->low[1]), b->high[2] - b->low[2]);
-}
-
 igi_status igi_scene_check_plausible(igi_context *ctx, igi_scene *scene)
 {
-    const double far = (double)INFINITY;
-    box mesh = {{far, far, far}, {-far, -far, -far}}, eyes = mesh;
-    for (size_t i = 0; i < 3 * scene->mesh.vertex_count; i++)
-        add(&mesh, (int)(i % 3), (double)scene->mesh.positions[i]);
-    for (size_t i = 0; i < 3 * scene->frame_count; i++)
-        add(&eyes, (int)(i % 3), scene->frames[i / 3].camera.camera_to_world[i % 3][3]);
-    double size = across(&mesh), spread = across(&eyes);
+    igi_box mesh = igi_mesh_box(&scene->mesh), eyes = igi_box_empty();
+    for (size_t i = 0; i < scene->frame_count; i++)
+        igi_box_add(&eyes, igi_camera_centre(&scene->frames[i].camera));
+    double size = (double)igi_box_diagonal(&mesh), spread = (double)igi_box_diagonal(&eyes);
     if (size > HALL && scene->frame_count > 2 && spread < size / CORNER_SHARE)
         IGI_TRY(igi_scene_warn(ctx, scene,
                                "the mesh is %.3g m across, and all cameras stand within %.2g m: is "

@@ -6,6 +6,8 @@
  */
 #include "trace/trace.h"
 
+#include "scene/mesh.h"
+
 #if IGI_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
 #else
@@ -26,7 +28,7 @@ struct igi_tracer {
     igi_vec *normals; /* [triangle_count] */
     RTCDevice device;
     RTCScene scene;
-    igi_vec low, high;
+    igi_box box;
     float size;
     float epsilon,
         off_surface; /* metres: what a ray does not see in front of it; what it starts above */
@@ -42,16 +44,9 @@ static void keep_error(void *user, enum RTCError code, const char *sentence)
 
 static void find_bounds(igi_tracer *tracer)
 {
-    const igi_mesh *mesh = tracer->mesh;
-    igi_vec low = igi_v(INFINITY, INFINITY, INFINITY), high = igi_scale(low, -1);
-    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) { /* not what no triangle uses */
-        igi_vec p = igi_v_of(mesh->positions + 3 * (size_t)mesh->triangles[i]);
-        low = igi_v(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
-        high = igi_v(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
-    }
-    tracer->low = low;
-    tracer->high = high;
-    tracer->size = igi_length(igi_sub(high, low));
+    tracer->box = igi_mesh_box(tracer->mesh);
+    tracer->size = igi_box_diagonal(&tracer->box);
+    igi_vec low = tracer->box.low, high = tracer->box.high;
     igi_vec far = igi_v(fmaxf(-low.x, high.x), fmaxf(-low.y, high.y), fmaxf(-low.z, high.z));
     float grain = GRAINS * FLT_EPSILON * fmaxf(far.x, fmaxf(far.y, far.z));
     tracer->epsilon = fmaxf(EPSILON * tracer->size, grain);
@@ -243,8 +238,8 @@ bool igi_occluded(const igi_tracer *tracer, igi_vec from, igi_vec to)
 
 float igi_tracer_size(const igi_tracer *tracer, igi_vec *low, igi_vec *high)
 {
-    if (low) *low = tracer->low;
-    if (high) *high = tracer->high;
+    if (low) *low = tracer->box.low;
+    if (high) *high = tracer->box.high;
     return tracer->size;
 }
 
