@@ -24,6 +24,8 @@ IGI_MUST_USE igi_status igi_doubt_lamps(igi_context *ctx, const igi_problem *p, 
  * together. */
 IGI_MUST_USE igi_status igi_doubt_outlines(igi_context *ctx, const igi_problem *p, igi_materials *m,
                                            double *off);
+/* What the error bars of the chosen method do not hold. */
+IGI_MUST_USE igi_status igi_doubt_method(igi_context *ctx, const igi_problem *p, igi_materials *m);
 /* *off: of the light that reaches surfaces. */
 IGI_MUST_USE igi_status igi_doubt_gaps(igi_context *ctx, const igi_problem *p, igi_materials *m,
                                        double *off);

@@ -155,6 +155,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     for (size_t i = 0; i < m->count; i++)
         diffuse[i] = !m->materials[i].emitter && m->materials[i].model == IGI_LAMBERT;
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, m, diffuse, &r));
+    IGI_TRY_GOTO(igi_doubt_method(ctx, p, m));
     IGI_TRY_GOTO(igi_doubt_lamps(ctx, p, m, &lamps_off));
     for (size_t i = 0; i < m->count; i++) diffuse[i] = r->regions[i].calm; /* no lobe was missed */
     if (!(p->options->target_error > 0))

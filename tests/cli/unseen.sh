@@ -18,4 +18,14 @@ for name in ("floor", "walls", "box"):
         if not .01 < std / y < .1: print(name, "is said to be open by", std / y)
 PY
 [ ! -s problems ] || fail "$(cat problems)"
+
+# The other methods say that theirs do not.
+for method in gather radiosity yu99; do
+    expect 0 "" "$igi" recover -q room -o "$method" --method "$method"
+    grep -q "the light that it sends is a guess, and the error bars of --method $method" \
+        "$method/materials.json" || fail "$method: $(grep -A4 '"warnings"' "$method/materials.json")"
+done
+expect 0 "" "$igi" recover -q room -o direct --method direct
+grep -q 'takes light from other surfaces for albedo' direct/materials.json || fail "direct says nothing"
+! grep -q 'the light that it sends is a guess' out/materials.json || fail "patches disowns its error bars"
 finish
