@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <jansson.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 igi_status igi_fail_writing(igi_context *ctx, const char *path)
@@ -12,6 +13,25 @@ igi_status igi_fail_writing(igi_context *ctx, const char *path)
                     "%s: cannot be written (%s); check the folder, its permissions and the room on "
                     "the disk",
                     path, strerror(errno ? errno : EIO));
+}
+
+igi_status igi_make_parents(igi_context *ctx, const char *path)
+{
+    char *part;
+    igi_status status = IGI_OK;
+    if (!strchr(path, '/')) return IGI_OK;
+    IGI_TRY(igi_strdup(ctx, path, &part));
+    for (char *slash = strchr(part + 1, '/'); slash && status == IGI_OK;
+         slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        if (mkdir(part, 0777) && errno != EEXIST && errno != EISDIR)
+            status = igi_fail(ctx, IGI_E_SYSTEM,
+                              "%s: cannot be made (%s); check the name, the rights and the disk",
+                              part, strerror(errno));
+        *slash = '/';
+    }
+    igi_free(part);
+    return status;
 }
 
 static void forget(igi_file *file)
@@ -25,6 +45,7 @@ igi_status igi_file_begin(igi_context *ctx, const char *path, igi_file *file)
 {
     *file = (igi_file){0};
     igi_status status = igi_strdup(ctx, path, &file->path);
+    if (status == IGI_OK) status = igi_make_parents(ctx, path);
     if (status == IGI_OK)
         status = igi_strprintf(ctx, &file->beside, "%s.%ld.part", path, (long)getpid());
     if (status == IGI_OK && !(file->stream = fopen(file->beside, "wb")))

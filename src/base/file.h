@@ -17,7 +17,10 @@ typedef struct igi_file {
     char *path, *beside;
 } igi_file;
 
-/* Opens. After a failure there is nothing to end. */
+/* Makes the folders that `path` lies in, where they are missing. */
+IGI_MUST_USE igi_status igi_make_parents(igi_context *ctx, const char *path);
+
+/* Opens. Folders that are missing are made. After a failure there is nothing to end. */
 IGI_MUST_USE igi_status igi_file_begin(igi_context *ctx, const char *path, igi_file *file);
 /* Puts the file in its place, or takes it away where `status`, how the writing went, is no
  * IGI_OK or where some of it did not reach the disk. Gives `status`, or that failure. */

@@ -88,6 +88,7 @@ igi_status igi_image_save_exr(igi_context *ctx, const igi_image *image, igi_exr_
     exr_context_t file = NULL;
     exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
     options.error_handler_fn = stay_silent;
+    IGI_TRY_GOTO(igi_make_parents(ctx, path));
     IGI_TRY_GOTO(igi_strprintf(ctx, &beside, "%s.%ld.part", path, (long)getpid()));
     errno = 0;
     exr_result_t code = exr_start_write(&file, beside, EXR_WRITE_FILE_DIRECTLY, &options);

@@ -4,7 +4,7 @@
  * error, a full disk or Ctrl-C leaves what was there before.
  */
 #define _XOPEN_SOURCE 700 /* realpath, nftw */
-#include "base/context.h"
+#include "base/file.h"
 
 #include <igi/output.h>
 
@@ -93,18 +93,6 @@ static igi_status check_place(igi_context *ctx, const char *path, bool replace, 
                     path);
 }
 
-static igi_status make_parents(igi_context *ctx, char *path)
-{
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = 0;
-        int failed = mkdir(path, 0777) && errno != EEXIST && errno != EISDIR;
-        igi_status status = failed ? system_error(ctx, path, "cannot be made") : IGI_OK;
-        *slash = '/';
-        IGI_TRY(status);
-    }
-    return IGI_OK;
-}
-
 /* A sibling that nothing else uses. */
 static igi_status make_sibling(igi_output *o)
 {
@@ -132,7 +120,7 @@ igi_status igi_output_begin(igi_context *ctx, const char *path, bool replace, co
     IGI_TRY_GOTO(igi_strdup(ctx, path, &o->path));
     for (size_t n = strlen(o->path); n > 1 && o->path[n - 1] == '/'; n--) o->path[n - 1] = 0;
     IGI_TRY_GOTO(check_place(ctx, o->path, replace, input));
-    IGI_TRY_GOTO(make_parents(ctx, o->path));
+    IGI_TRY_GOTO(igi_make_parents(ctx, o->path));
     IGI_TRY_GOTO(make_sibling(o));
     *output = o;
 cleanup:

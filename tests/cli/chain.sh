@@ -24,7 +24,6 @@ stdout 'merge and correct photos'
 grep -q '"radiance"' room/scene.json && fail "the lamp's radiance is in a unit no camera knows"
 
 cp room/photos/lens.json camera.json
-mkdir merged
 expect 0 '' "$igi" merge -q room/photos/0000_?.png -o merged/first.exr --response recovered \
     --save-response camera.json
 expect 0 '' "$igi" calibrate -q --flat room/photos/flat_?.png -o camera.json

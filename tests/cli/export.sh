@@ -24,7 +24,9 @@ expect 2 'where to\?' "$igi" export room/truth --to glb
 expect 2 'for whom\?' "$igi" export room/truth -o room.glb
 expect 2 'must be one of' "$igi" export room/truth --to fbx -o room.fbx
 expect 3 'neither materials' "$igi" export room --to obj -o room.obj
-expect 4 'cannot be written' "$igi" export room/truth --to glb -o none/room.glb
+expect 0 "" "$igi" export -q room/truth --to glb -o made/for/it/room.glb
+[ -s made/for/it/room.glb ] || fail "no file in the folder that was missing"
+expect 4 'cannot be written .Not a directory' "$igi" export room/truth --to glb -o made/for/it/room.glb/room.glb
 for format in glb obj mitsuba pbrt radiance; do
     expect 0 "" "$igi" export -q glossy/truth --to $format -o room.$format
     [ -s room.$format ] || fail "$format: nothing was written"

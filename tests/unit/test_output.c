@@ -148,8 +148,12 @@ static void a_file_is_whole(void)
     FILE *old = fopen(path, "r");
     CHECK(old && fread(text, 1, sizeof text - 1, old) == 3 && strcmp(text, "old") == 0);
     if (old) fclose(old);
-    snprintf(path, sizeof path, "%s/none/x", place);
+    snprintf(path, sizeof path, "%s/x/y", place); /* x is a file */
     CHECK(igi_file_begin(ctx, path, &file) == IGI_E_SYSTEM && !file.stream);
+    snprintf(path, sizeof path, "%s/none/at/all", place);
+    CHECK_OK(ctx, igi_file_save(ctx, path, "new", 3));
+    CHECK((old = fopen(path, "r")) != NULL);
+    if (old) fclose(old);
     CHECK(igi_file_save_json(ctx, path, NULL, 9) == IGI_E_SYSTEM);
     igi_context_destroy(ctx);
 }
