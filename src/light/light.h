@@ -58,6 +58,8 @@ float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, i
 float igi_light_sample_facing(const igi_lighting *lighting, size_t light, igi_vec point,
                               igi_vec normal, float u, float v, igi_light_sample *sample);
 
+/* An area light lies within this ball; returns its radius. */
+float igi_light_ball(const igi_lighting *lighting, size_t light, igi_vec *middle);
 /* Index of the light that the triangle belongs to, or -1. */
 int igi_lighting_of_triangle(const igi_lighting *lighting, uint32_t triangle);
 /* What a ray meets: radiance per band of an area light's front at `hit`, or of the sky when the ray

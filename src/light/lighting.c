@@ -53,6 +53,23 @@ static void find_cuts(igi_lighting *l, const source *s)
     }
 }
 
+static void find_ball(const igi_lighting *l, source *s)
+{
+    const emitter *e = l->emitters + s->first;
+    float squared = 0;
+    for (size_t i = 0; i < s->count; i++)
+        s->middle = igi_madd(s->middle, e[i].centre, 1 / (float)s->count);
+    for (size_t i = 0; i < s->count; i++) {
+        const igi_vec corners[3] = {e[i].corner, igi_add(e[i].corner, e[i].edge1),
+                                    igi_add(e[i].corner, e[i].edge2)};
+        for (int k = 0; k < 3; k++) {
+            igi_vec d = igi_sub(corners[k], s->middle);
+            squared = fmaxf(squared, igi_dot(d, d));
+        }
+    }
+    s->radius = sqrtf(squared);
+}
+
 static void gather_emitters(igi_lighting *l)
 {
     size_t next = 0;
@@ -64,6 +81,7 @@ static void gather_emitters(igi_lighting *l)
             if (l->light_of_region[l->scene->mesh.regions[t]] == (int)i)
                 add_emitter(l, s, (uint32_t)t);
         find_cuts(l, s);
+        find_ball(l, s);
         next += s->count;
     }
     igi_emitters_arrange(l);
@@ -136,6 +154,13 @@ void igi_lighting_destroy(igi_lighting *lighting)
     igi_free(lighting->cuts);
     igi_free(lighting->light_of_region);
     igi_free(lighting);
+}
+
+float igi_light_ball(const igi_lighting *lighting, size_t light, igi_vec *middle)
+{
+    const source *s = &lighting->sources[light];
+    *middle = s->middle;
+    return s->radius;
 }
 
 size_t igi_lighting_count(const igi_lighting *lighting)

@@ -20,6 +20,8 @@ typedef struct source {
     const igi_light *light;
     size_t first, count;    /* area: its emitters */
     float area;             /* area: of all its emitters */
+    igi_vec middle;         /* area: of a ball that holds them, */
+    float radius;           /* and its radius */
     igi_vec position, axis; /* axis: direction of spot and directional; line: from end to end */
     float length;           /* line */
     float cos_cutoff, cutoff, beam; /* spot; angles in radians */

@@ -108,53 +108,68 @@ float igi_light_pdf(const igi_lighting *lighting, size_t light, igi_vec point, i
     return hit->distance * hit->distance / fmaxf(cosine * s->area, 1e-30f);
 }
 
-/* The solid angles of a light's emitters, so many at a time. */
+/* The solid angles of a light's emitters from `begin` on, so many at a time, and their sums up to
+ * each. */
 typedef struct angles {
     const igi_lighting *l;
     const source *s;
     igi_vec point;
-    size_t begin, end;
-    float of[ANGLES_AT_ONCE];
+    size_t begin, count;
+    float of[ANGLES_AT_ONCE], sums[ANGLES_AT_ONCE];
 } angles;
 
-static float angle_at(angles *a, size_t i)
+/* before: the sum of all that come before. Returns the sum with these. */
+static float find_angles(angles *a, size_t begin, float before)
 {
-    if (i < a->begin || i >= a->end) {
-        a->begin = i / ANGLES_AT_ONCE * ANGLES_AT_ONCE;
-        a->end = a->begin + ANGLES_AT_ONCE < a->s->count ? a->begin + ANGLES_AT_ONCE : a->s->count;
-        igi_emitters_angles(a->l, a->s->first + a->begin, a->end - a->begin, a->point, a->of);
+    size_t left = a->s->count - begin;
+    a->begin = begin;
+    a->count = left < ANGLES_AT_ONCE ? left : ANGLES_AT_ONCE;
+    igi_emitters_angles(a->l, a->s->first + begin, a->count, a->point, a->of);
+    for (size_t i = 0; i < a->count; i++) a->sums[i] = before += a->of[i];
+    return before;
+}
+
+/* The first emitter, not before `from`, up to which the sum is above the target; else the last. */
+static size_t find_emitter(angles *a, size_t from, float target)
+{
+    for (;;) {
+        size_t i = from - a->begin, last = a->count - 1;
+        while (i < last && a->sums[i] <= target) i++;
+        from = a->begin + i;
+        if (a->sums[i] > target || from + 1 == a->s->count) return from;
+        (void)find_angles(a, ++from, a->sums[i]);
     }
-    return a->of[i - a->begin];
 }
 
 static size_t area_sample_set(const igi_lighting *l, const source *s, igi_vec point, size_t count,
                               const float start[2], igi_light_sample *samples)
 {
     const emitter *emitters = l->emitters + s->first;
-    angles a = {.l = l, .s = s, .point = point};
+    angles a;
+    a.l = l; /* the rest would be cleared in vain */
+    a.s = s;
+    a.point = point;
     float whole = 0;
-    for (size_t i = 0; i < s->count; i++) whole += angle_at(&a, i);
+    for (size_t i = 0; i < s->count; i += ANGLES_AT_ONCE) whole = find_angles(&a, i, whole);
     if (!(whole > 0)) return 0;
+    if (a.begin > 0) (void)find_angles(&a, 0, 0);
     size_t i = 0, made = 0;
-    float angle = angle_at(&a, 0), below = 0, u = start[0], v = start[1];
+    float u = start[0], v = start[1];
     for (size_t k = 0; k < count; k++) {
-        float target = ((float)k + start[0]) / (float)count * whole;
-        while (below + angle <= target && i + 1 < s->count) {
-            below += angle;
-            angle = angle_at(&a, ++i);
-        }
+        i = find_emitter(&a, i, ((float)k + start[0]) / (float)count * whole);
+        const emitter *e = &emitters[i];
+        float angle = a.of[i - a.begin];
         u += 0.7548776662f;
         v += 0.5698402910f;
         u -= u < 1 ? 0.0f : 1.0f;
         v -= v < 1 ? 0.0f : 1.0f;
         float root = sqrtf(u);
-        igi_vec p = igi_madd(igi_madd(emitters[i].corner, emitters[i].edge1, root * (1 - v)),
-                             emitters[i].edge2, root * v);
+        igi_vec p = igi_madd(igi_madd(e->corner, e->edge1, root * (1 - v)), e->edge2, root * v);
         igi_vec d = igi_sub(p, point);
         float squared = igi_dot(d, d), distance = sqrtf(squared);
-        float facing = -igi_dot(d, emitters[i].normal);
+        float facing = -igi_dot(d, e->normal);
         if (!(facing > 0) || !(angle > 0)) continue;
-        float solid = emitters[i].area * facing / (squared * distance); /* were all of it here */
+        float solid = e->area * facing / (squared * distance); /* were all of it here */
         samples[made++] = (igi_light_sample){igi_scale(d, 1 / distance), distance, 1 / solid,
                                              solid * whole / (angle * (float)count), NULL};
     }

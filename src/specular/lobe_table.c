@@ -8,7 +8,9 @@
 
 #define PIXELS_A_TASK 64
 #define LANES IGI_LOBE_LANES
-/* Two halves of the directions to surfaces, two of those to what is around the scene, those to lamps. */
+/* Two halves of the directions to surfaces, those to lamps, two halves to what is around the scene. */
+#define LAMPS 2
+#define AROUND 3
 #define PARTS 5
 
 typedef struct job {
@@ -42,21 +44,21 @@ static void clear_workspace(workspace *w)
     igi_free(w->light);
 }
 
-static int part_of(const igi_highlights *h, int m, const igi_direction_sample *d)
+/* Adds the directions m of pixel i that are around the scene in that half (1 or 2), or in no half (0).
+ * Returns whether others are. */
+static bool add_directions(workspace *w, const igi_highlights *h, size_t i, const int m[2],
+                           int half)
 {
-    if (d->around) return 1 + d->around;
-    if (m >= h->lobe_samples) return 4;
-    return m >= h->lobe_samples / 2;
-}
-
-/* Adds the directions of pixel i that belong to the part. */
-static void add_part(workspace *w, const igi_highlights *h, size_t i, int part)
-{
-    size_t bands = (size_t)h->bands, room = w->pairs.room;
-    for (int m = 0; m < h->samples; m++) {
-        size_t at = i * (size_t)h->samples + (size_t)m, k = w->pairs.count;
+    size_t bands = (size_t)h->bands, room = w->pairs.room, first = i * (size_t)h->samples;
+    bool others = false;
+    for (size_t at = first + (size_t)m[0]; at < first + (size_t)m[1]; at++) {
         const igi_direction_sample *d = &h->directions[at];
-        if (!(d->weight > 0 && d->in.z > 0 && d->out.z > 0) || part_of(h, m, d) != part) continue;
+        if (!(d->weight > 0 && d->in.z > 0 && d->out.z > 0)) continue;
+        if (d->around != half) {
+            others = true;
+            continue;
+        }
+        size_t k = w->pairs.count;
         igi_lobe_pairs_add(&w->pairs, d->in, d->out);
         for (size_t b = 0; b < bands; b++)
             w->light[b * room + k] = d->weight * h->incident[at * bands + b];
@@ -65,6 +67,7 @@ static void add_part(workspace *w, const igi_highlights *h, size_t i, int part)
     igi_lobe_pairs_pad(&w->pairs);
     for (; carry < w->pairs.count; carry++)
         for (size_t b = 0; b < bands; b++) w->light[b * room + carry] = 0;
+    return others;
 }
 
 /* ggx: the base's part of the light is parted off. */
@@ -81,9 +84,16 @@ static void part_schlick(workspace *w, size_t bands)
 
 static void take_pixel(workspace *w, const igi_highlights *h, size_t i)
 {
+    const int to[AROUND + 1] = {0, h->lobe_samples / 2, h->lobe_samples, h->samples};
+    bool around = false;
     w->pairs.count = w->begin[0] = 0;
-    for (int part = 0; part < PARTS; part++) {
-        add_part(w, h, i, part);
+    for (int part = 0; part < AROUND; part++) {
+        around |= add_directions(w, h, i, to + part, 0);
+        w->begin[part + 1] = w->pairs.count;
+    }
+    for (int part = AROUND; part < PARTS; part++) {
+        const int all[2] = {0, around ? h->samples : 0};
+        (void)add_directions(w, h, i, all, 1 + part - AROUND);
         w->begin[part + 1] = w->pairs.count;
     }
     igi_lobe_pairs_prepare(&w->pairs);
@@ -113,9 +123,9 @@ static void tabulate_column(workspace *w, const igi_lobe_table *t, size_t a,
         float part[PARTS];
         for (int k = 0; k < PARTS; k++)
             part[k] = product(p->values + begin[k], light + begin[k], begin[k + 1] - begin[k]);
-        float first = part[0] + part[2], second = part[1] + part[3];
-        t->scale[to + b] = first + second + part[4];
-        t->lamps[to + b] = part[2] + part[3] + part[4];
+        float first = part[0] + part[AROUND], second = part[1] + part[AROUND + 1];
+        t->scale[to + b] = first + second + part[LAMPS];
+        t->lamps[to + b] = part[AROUND] + part[AROUND + 1] + part[LAMPS];
         t->noise[to + b] = (first - second) * (first - second);
         if (tint) {
             t->scale[to + b] *= (float)tint[b];

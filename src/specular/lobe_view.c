@@ -81,17 +81,41 @@ static void add_lamp(const lobe_place *at, size_t light, float alpha, size_t cou
     }
 }
 
+/* No direction to the lamp has more of a Ward lobe than this, times its cosine and solid angle: the
+ * lobe at that end of the ball about the lamp which is nearest to the mirror direction, each of its
+ * coordinates by itself. */
+static float most_of_lamp(const lobe_place *at, size_t light, float alpha)
+{
+    igi_vec middle;
+    float radius = igi_light_ball(at->problem->lighting, light, &middle);
+    igi_vec to = igi_sub(middle, at->point);
+    float squared = igi_dot(to, to), reach2 = squared - radius * radius;
+    if (!(reach2 > radius * radius)) return HUGE_VALF;
+    /* of unit vectors: twice the sine of half the ball's angle is below this */
+    float off = radius / sqrtf(reach2);
+    igi_vec in = igi_to_local(igi_scale(to, 1 / sqrtf(squared)), at->normal);
+    float in_z = in.z + off, z = in_z + at->out.z;
+    if (!(in_z > 0)) return 0;
+    float across = fmaxf(0, hypotf(in.x + at->out.x, in.y + at->out.y) - off);
+    float exponent = across * across / (z * z * alpha * alpha);
+    return expf(-exponent) / (4 * alpha * alpha) * sqrtf(in_z / at->out.z) * off * off;
+}
+
 /* Is the lamp mirrored somewhere else, far from here? */
 static bool is_elsewhere(const lobe_place *at, size_t light, uint32_t side)
 {
     const igi_problem *p = at->problem;
     const float *seen = p->seen + (size_t)side * (size_t)p->bands;
-    float glance[IGI_MAX_BANDS] = {0}, found = 0, all = 0;
-    add_lamp(at, light, fminf(1, GLANCE_WIDTH * at->lobe->alpha), GLANCE_SAMPLES, 1, glance);
+    float glance[IGI_MAX_BANDS] = {0}, found = 0, all = 0, most = 0;
+    float alpha = fminf(1, GLANCE_WIDTH * at->lobe->alpha);
     for (int b = 0; b < p->bands; b++) {
-        found += glance[b];
         all += seen[b];
+        most += at->lobe->specular[b] * (float)p->lights[light].value[b];
     }
+    if (at->lobe->model == IGI_WARD && most * most_of_lamp(at, light, alpha) < GLANCE_SHARE * all)
+        return true;
+    add_lamp(at, light, alpha, GLANCE_SAMPLES, 1, glance);
+    for (int b = 0; b < p->bands; b++) found += glance[b];
     return found < GLANCE_SHARE * all;
 }
 

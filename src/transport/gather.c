@@ -327,7 +327,20 @@ void igi_row_indirect(const igi_rows *rows, size_t row, const float *radiance, i
     const uint32_t *hits = rows->hits + rows->begin[row];
     size_t rays = rows->begin[row + 1] - rows->begin[row];
     float sum[IGI_MAX_BANDS] = {0};
-    for (size_t k = 0; k < rays; k++) {
+    if (bands == 3) { /* sums that stay in registers take half the time */
+        float r = 0, g = 0, blue = 0;
+        for (size_t k = 0; k < rays; k++) {
+            if (hits[k] == IGI_NO_SIDE) continue;
+            const float *met = radiance + 3 * (size_t)hits[k];
+            r += met[0];
+            g += met[1];
+            blue += met[2];
+        }
+        sum[0] = r;
+        sum[1] = g;
+        sum[2] = blue;
+    }
+    for (size_t k = 0; bands != 3 && k < rays; k++) {
         if (hits[k] == IGI_NO_SIDE) continue;
         const float *met = radiance + (size_t)hits[k] * (size_t)bands;
         for (int b = 0; b < bands; b++) sum[b] += met[b];

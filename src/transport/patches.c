@@ -177,9 +177,9 @@ void igi_patches_destroy(igi_patches *patches)
 /* Barycentric weights turned so that the lattice's corner is the first. */
 static void to_lattice(const igi_triangle_lattice *l, float u, float v, float *s, float *t)
 {
-    float w[3] = {1 - u - v, u, v};
-    *s = w[(l->corner + 1) % 3];
-    *t = w[(l->corner + 2) % 3];
+    float w = 1 - u - v;
+    *s = l->corner == 0 ? u : l->corner == 1 ? v : w;
+    *t = l->corner == 0 ? v : l->corner == 1 ? w : u;
 }
 
 static void from_lattice(const igi_triangle_lattice *l, float s, float t, float *u, float *v)
@@ -203,7 +203,8 @@ uint32_t igi_patch_at(const igi_patches *patches, uint32_t triangle, float u, fl
     j = j < 0 ? 0 : j >= l->nv ? l->nv - 1 : j;
     uint32_t patch = l->first + (uint32_t)j * l->nu + (uint32_t)i;
     /* rounding on the long edge may fall into a cell of no area: its neighbour holds the point */
-    if (patches->area[patch] <= 0) patch -= i > 0 ? 1 : l->nu;
+    bool beside = (i + 1) * l->nv + (j + 1) * l->nu > l->nu * l->nv;
+    if (beside && patches->area[patch] <= 0) patch -= i > 0 ? 1 : l->nu;
     return patch;
 }
 
