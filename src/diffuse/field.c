@@ -3,7 +3,7 @@
  * The field is made in three steps: rows, as gathered; planes fitted through them (field_fit.c);
  * and, where a region asks for it, shadows' edges (field_edges.c).
  */
-#include "diffuse/field_private.h"
+#include "diffuse/field_parts.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
  * without extent casts an edge without width: where the nodes about a point disagree, the point
  * itself looks at the lamp.
  */
-#include "diffuse/field_private.h"
+#include "diffuse/field_parts.h"
 
 #include "base/parallel.h"
 

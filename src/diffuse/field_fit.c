@@ -10,7 +10,7 @@
  * gradient from the neighbours. A light is left out of this where a shadow's edge crosses the row or
  * its neighbours; there the open light and the visible share are kept apart (field_edges.c).
  */
-#include "diffuse/field_private.h"
+#include "diffuse/field_parts.h"
 
 #include "base/parallel.h"
 

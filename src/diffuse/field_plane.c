@@ -2,7 +2,7 @@
  *
  * Rows about a point, and the plane through their values: what moving least squares is made of.
  */
-#include "diffuse/field_private.h"
+#include "diffuse/field_parts.h"
 
 #define THIN_PATCHES 0.02f
 #define FACING_COS 0.9f

@@ -103,10 +103,10 @@ static igi_status check_uvs(const igi_mesh_builder *b, igi_scene *scene)
     double *spread; /* [regions] area whose coordinates are spread out, less that of the others */
     IGI_TRY(IGI_ALLOC(b->ctx, scene->region_count, &spread));
     for (size_t t = 0; t < mesh->triangle_count; t++) {
-        double side, surface = double_area(mesh->positions, mesh->triangles + 3 * t, &side);
+        double side, area = double_area(mesh->positions, mesh->triangles + 3 * t, &side);
         const float *uv = mesh->uvs + 6 * t;
-        float area = (uv[2] - uv[0]) * (uv[5] - uv[1]) - (uv[3] - uv[1]) * (uv[4] - uv[0]);
-        spread[mesh->regions[t]] += area != 0 ? surface : -surface;
+        float uv_area = (uv[2] - uv[0]) * (uv[5] - uv[1]) - (uv[3] - uv[1]) * (uv[4] - uv[0]);
+        spread[mesh->regions[t]] += uv_area != 0 ? area : -area;
     }
     for (size_t r = 0; r < scene->region_count; r++) scene->regions[r].has_uvs &= spread[r] > 0;
     igi_free(spread);
