@@ -42,8 +42,8 @@ static igi_status add_photograph(const igi_case *c, igi_assumption *a, const igi
     memcpy(a->target, target, sizeof target);
     igi_status status = igi_strprintf(
         c->ctx, &a->remedy,
-        "add a photograph from about (%.2f %.2f %.2f) looking at (%.2f %.2f %.2f): %s", eye[0],
-        eye[1], eye[2], target[0], target[1], target[2], why);
+        "add a photograph from about (%.2f, %.2f, %.2f) m looking at (%.2f, %.2f, %.2f) m: %s",
+        eye[0], eye[1], eye[2], target[0], target[1], target[2], why);
     igi_free(why);
     return status;
 }

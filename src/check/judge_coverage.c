@@ -5,6 +5,7 @@
 #include "check/judge.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define HARDLY 0.2 /* a region of which less is seen is not judged */
 #define UNSEEN_AREA 0.1
@@ -43,12 +44,15 @@ static igi_status judge_observed(const igi_case *c)
         return igi_case_remedy(c, a, NULL, "check that mesh and cameras share one frame");
     }
     bool holds = unseen + hardly == 0 && check->unseen_area <= UNSEEN_AREA;
-    IGI_TRY(igi_case_find(
-        c, a, holds ? IGI_HOLDS : IGI_DOUBTFUL, check->unseen_area,
-        "%.1f %% of the surface is in no photograph; %zu of %zu regions are not "
-        "seen at all, %zu hardly%s%s%s",
-        100 * check->unseen_area, unseen, surfaces, hardly, a->region >= 0 ? " (largest: '" : "",
-        a->region >= 0 ? check->regions[a->region].name : "", a->region >= 0 ? "')" : ""));
+    char poor[96] = "";
+    if (unseen + hardly > 0)
+        snprintf(poor, sizeof poor, "; of %zu regions %zu are not seen at all, %zu hardly",
+                 surfaces, unseen, hardly);
+    IGI_TRY(igi_case_find(c, a, holds ? IGI_HOLDS : IGI_DOUBTFUL, check->unseen_area,
+                          "%.1f %% of the surface is in no photograph%s%s%s%s",
+                          100 * check->unseen_area, poor, a->region >= 0 ? " (largest: '" : "",
+                          a->region >= 0 ? check->regions[a->region].name : "",
+                          a->region >= 0 ? "')" : ""));
     if (holds) return IGI_OK;
     IGI_TRY(igi_advise_unseen(c->ctx, c->survey, a->region, &advice));
     if (advice.gain == 0)

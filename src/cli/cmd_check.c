@@ -159,15 +159,15 @@ static void print_regions(const igi_check *check)
     }
     puts("");
     cli_print_padded("region", width);
-    puts("  observed  views    angles  faces unseen  highlights seen of predicted");
+    puts("  observed  views  angles, deg  faces unseen  highlights seen of predicted");
     for (size_t i = 0; i < check->region_count; i++) {
         const igi_region_check *r = &check->regions[i];
         if (r->emitter) continue;
         cli_print_padded(r->name, width);
         printf("  %6.1f %%  %5d", 100 * r->observed, r->views);
         if (isfinite(r->angle_low_deg))
-            printf("  %3.0f..%2.0f", r->angle_low_deg, r->angle_high_deg);
-        else printf("  %7s", "-");
+            printf("  %7.0f..%2.0f", r->angle_low_deg, r->angle_high_deg);
+        else printf("  %11s", "-");
         if (isfinite(r->unseen)) printf("  %10.1f %%", 100 * r->unseen);
         else printf("  %12s", "-");
         printf("  %15d of %d\n", r->highlights_seen, r->highlights_predicted);

@@ -217,7 +217,7 @@ const cli_command cli_recover = {
     .bit = CLI_RECOVER,
     .arguments = 1,
     .usage = "recover SCENE -o OUT",
-    .summary = "albedo with error bars from photographs, mesh and cameras",
+    .summary = "materials with error bars from photographs, mesh and cameras",
     .example = "igi recover my-room -o my-room.out",
     .details =
         "SCENE is a folder with scene.json, mesh, cameras and radiance images; or photographs,\n"

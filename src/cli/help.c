@@ -13,7 +13,9 @@ void cli_print_overview(void)
            igi_version());
     for (const cli_command *const *c = cli_commands; *c; c++)
         printf("  igi %-38s %s\n", (*c)->usage, (*c)->summary);
-    puts("\nigi help COMMAND explains a command; man igi has it all.");
+    puts("\nTo begin: igi check SCENE, then igi recover SCENE -o OUT, then look at "
+         "OUT/report.html.\n"
+         "igi help COMMAND explains a command; man igi has it all.");
 }
 
 enum { COLUMN = 31, COLUMNS = 90 }; /* where the text of options begins, and ends */

@@ -107,15 +107,17 @@ static void print_texture(const igi_page *page, const json_t *t)
     else if (!isfinite(amplitude)) fputs("too little is seen to tell a texture by: one albedo", f);
     else if (found)
         fprintf(f,
-                "a texture: its halves of the photographs agree on deviations of %.1f&nbsp;%%, the "
-                "light explains %.1f",
+                "a texture: both halves of the photographs show deviations of %.1f&nbsp;%%, more "
+                "than the %.1f&nbsp;%% that errors of the light could be",
                 100 * amplitude, 100 * least);
     else if (amplitude > least)
         fprintf(
             f, "one albedo: halves of the photographs disagree on its deviations (by %.0f&nbsp;%%)",
             100 * (1 - number(t, "agreement")));
     else
-        fprintf(f, "one albedo: deviations of %.1f&nbsp;%%, the light explains %.1f",
+        fprintf(f,
+                "one albedo: deviations of %.1f&nbsp;%%, and errors of the light could be "
+                "%.1f&nbsp;%%",
                 100 * amplitude, 100 * least);
 }
 

@@ -86,9 +86,10 @@ igi_status igi_page_spheres(const igi_page *page)
 {
     fprintf(page->file,
             "<section id=\"balls\"><h2>Balls</h2><p class=\"soft\">Each material on a ball, of its "
-            "mean albedo, "
-            "under the same soft box%s.</p><div class=\"balls\">\n",
-            page->truth ? ": recovered on the left, its truth on the right" : "");
+            "mean albedo, under the same soft box%s.</p><div class=\"balls\">\n",
+            page->truth ? ": recovered on the left, its truth on the right (of a texture that "
+                          "the photographs show in part, the means are of that part, and of all)"
+                        : "");
     for (size_t i = 0; i < page->materials->count; i++)
         if (!page->materials->materials[i].emitter)
             IGI_TRY(print_card(page, &page->materials->materials[i]));

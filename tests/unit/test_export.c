@@ -5,6 +5,8 @@
 #include "test.h"
 
 #include "base/context.h"
+#include "base/vec.h"
+#include "image/srgb.h"
 #include "material/result.h"
 #include "scene/mesh.h"
 
@@ -124,6 +126,118 @@ static void obj(void)
     igi_context_destroy(ctx);
 }
 
+static void export_as(igi_context *ctx, igi_export_format format, const char *path, char *text,
+                      size_t size)
+{
+    igi_export_options options;
+    igi_export_options_init(&options);
+    options.format = format;
+    CHECK_OK(ctx, igi_export(ctx, "export_lit", &options, path));
+    read_file(path, text, size);
+}
+
+/* A phong floor under a spot and a line. */
+static void save_lit(igi_context *ctx)
+{
+    char floor[] = "floor", name[] = "lit";
+    igi_region region = {floor, false, IGI_NO, false, false};
+    igi_light lights[] = {{.type = IGI_LIGHT_SPOT,
+                           .region = -1,
+                           .position = {1, 1, 3},
+                           .direction = {0, 0, -1},
+                           .cutoff_deg = 40,
+                           .beam_deg = 25,
+                           .known = true,
+                           .value = {2, 2, 2}},
+                          {.type = IGI_LIGHT_LINE,
+                           .region = -1,
+                           .position = {0, 0, 2},
+                           .end = {3, 0, 2},
+                           .known = true,
+                           .value = {5, 5, 5}}};
+    igi_scene scene = {.name = name,
+                       .bands = 3,
+                       .region_count = 1,
+                       .regions = &region,
+                       .mesh = {5, 2, positions, triangles, regions, NULL}};
+    igi_material of = {.region = floor,
+                       .model = IGI_PHONG,
+                       .albedo = {.5, .5, .5},
+                       .specular = .1,
+                       .alpha = .5,
+                       .observed = 1};
+    igi_materials all = {.scene = name,
+                         .bands = 3,
+                         .count = 1,
+                         .materials = &of,
+                         .light_count = 2,
+                         .lights = lights};
+    (void)mkdir("export_lit", 0777);
+    CHECK_OK(ctx, igi_materials_save(ctx, &all, &scene, "export_lit"));
+    CHECK_OK(ctx, igi_materials_save_glb(ctx, &all, &scene, "export_lit/scene.glb"));
+}
+
+/* Sum of the numbers behind `word`, wherever it stands; *count: how often it does. */
+static double sum_behind(const char *text, const char *word, int *count)
+{
+    double sum = 0;
+    *count = 0;
+    for (const char *at = text; (at = strstr(at, word)); (*count)++) {
+        at += strlen(word);
+        sum += strtod(at, NULL);
+    }
+    return sum;
+}
+
+/* Power of the spot that is full to b and falls to 0 at c, linearly in angle, for an intensity of 1. */
+static double spot_power(double b, double c)
+{
+    const int steps = 20000;
+    double sum = 0;
+    for (int i = 0; i < steps; i++) {
+        double angle = (i + .5) / steps * c;
+        sum += 2 * IGI_PI * sin(angle) * fmin(1, (c - angle) / (c - b)) * c / steps;
+    }
+    return sum;
+}
+
+/* Each program's numbers for one spot, one line and one phong lobe. */
+static void lit(void)
+{
+    igi_context *ctx = test_context(1);
+    static char text[1 << 16];
+    int count;
+    const double degree = IGI_PI / 180;
+    save_lit(ctx);
+    export_as(ctx, IGI_EXPORT_PBRT, "export_lit.pbrt", text, sizeof text);
+    CHECK_CONTAINS(text, "\"float coneangle\" 40 \"float conedeltaangle\" 15");
+    CHECK_NEAR(sum_behind(text, "\"rgb I\" [ ", &count), 2 + 5 * 3,
+               1e-5); /* the line: 5 W/sr/m, 3 m */
+    CHECK(count > 2);
+    /* Near its peak the lobe is exp(-(2 delta)^2/alpha^2) of the half vector: half as wide. */
+    CHECK_NEAR(sum_behind(text, "\"float roughness\" ", &count), .5 / sqrt(4 - 3 * .25), 1e-6);
+    export_as(ctx, IGI_EXPORT_MITSUBA, "export_lit.xml", text, sizeof text);
+    CHECK_NEAR(sum_behind(text, "\"cutoff_angle\" value=\"", &count), 40, 0);
+    CHECK_NEAR(sum_behind(text, "\"beam_width\" value=\"", &count), 25, 0);
+    export_as(ctx, IGI_EXPORT_RADIANCE, "export_lit.rad", text, sizeof text);
+    const char *spot = strstr(text, "spotlight light_0");
+    double n[4] = {0};
+    CHECK(spot &&
+          sscanf(spot, "spotlight light_0 0 0 7 %lf %lf %lf %lf", n, n + 1, n + 2, n + 3) == 4);
+    CHECK_NEAR(2 * IGI_PI * (1 - cos(n[3] / 2 * degree)), spot_power(25 * degree, 40 * degree),
+               1e-6);
+    igi_context_destroy(ctx);
+}
+
+/* Radiance's pixels: a mantissa of 8 bits for each, 2^(e - 128) / 256. */
+static void rgbe(void)
+{
+    uint8_t bytes[4];
+    igi_rgbe((const float[3]){1, .5f, 3}, bytes);
+    for (int k = 0; k < 3; k++)
+        CHECK_NEAR(ldexp(bytes[k] / 256., bytes[3] - 128), k == 0 ? 1 : k == 1 ? .5 : 3, 1e-6);
+}
+
 static void names(void)
 {
     igi_export_format format;
@@ -132,4 +246,4 @@ static void names(void)
     CHECK_STR(igi_export_format_name(IGI_EXPORT_MITSUBA), "mitsuba");
 }
 
-TEST_MAIN({"atlas", atlas}, {"obj", obj}, {"names", names})
+TEST_MAIN({"atlas", atlas}, {"obj", obj}, {"lit", lit}, {"rgbe", rgbe}, {"names", names})
