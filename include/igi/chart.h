@@ -41,7 +41,7 @@ typedef struct igi_sweep_point {
 } igi_sweep_point;
 
 typedef struct igi_sweep_result {
-    char *name, *about, *label, *unit;
+    char *name, *about, *subject, *label, *unit; /* subject: what is at fault, or "" */
     size_t point_count;
     igi_sweep_point *points; /* [point_count] in the order of the file */
     size_t breakdown;        /* first point that is too wrong; point_count: none is */

@@ -69,6 +69,7 @@ static igi_status sum_up_sweep(const chart_study *s, const chart_sweep *sweep, d
     igi_context *ctx = s->ctx;
     IGI_TRY(igi_strdup(ctx, sweep ? sweep->name : "unperturbed", &r->name));
     IGI_TRY(igi_strdup(ctx, sweep ? sweep->about : "the rooms as they are", &r->about));
+    IGI_TRY(igi_strdup(ctx, sweep ? sweep->subject : "", &r->subject));
     IGI_TRY(igi_strdup(ctx, sweep ? sweep->label : "", &r->label));
     IGI_TRY(igi_strdup(ctx, sweep ? sweep->unit : "", &r->unit));
     r->point_count = sweep ? sweep->severity_count : 1;
@@ -116,6 +117,7 @@ void igi_stability_destroy(igi_stability *stability)
         igi_sweep_result *s = &stability->sweeps[i];
         igi_free(s->name);
         igi_free(s->about);
+        igi_free(s->subject);
         igi_free(s->label);
         igi_free(s->unit);
         igi_free(s->points);

@@ -89,6 +89,7 @@ static igi_status read_head(igi_context *ctx, chart_sweep *s)
     double version;
     igi_json number = igi_json_member(&s->root, "igi_sweep"),
              name = igi_json_member(&s->root, "name"), about = igi_json_member(&s->root, "about"),
+             subject = igi_json_member(&s->root, "subject"),
              axis = igi_json_member(&s->root, "axis"), label = igi_json_member(&axis, "label"),
              unit = igi_json_member(&axis, "unit"), model = igi_json_member(&s->root, "model");
     IGI_TRY(igi_json_number(ctx, &number, &version));
@@ -98,7 +99,8 @@ static igi_status read_head(igi_context *ctx, chart_sweep *s)
     IGI_TRY(igi_json_string(ctx, &about, &s->about));
     IGI_TRY(igi_json_object(ctx, &axis));
     IGI_TRY(igi_json_string(ctx, &label, &s->label));
-    s->unit = "";
+    s->unit = s->subject = "";
+    if (subject.value) IGI_TRY(igi_json_string(ctx, &subject, &s->subject));
     if (unit.value) IGI_TRY(igi_json_string(ctx, &unit, &s->unit));
     s->model = IGI_ANY_MODEL;
     if (!model.value) return IGI_OK;
@@ -114,9 +116,9 @@ static igi_status read_head(igi_context *ctx, chart_sweep *s)
 igi_status chart_sweep_load(igi_context *ctx, const char *path, const igi_chart_options *options,
                             chart_sweep *s)
 {
-    static const char *const known[] = {"igi_sweep",  "name",  "about",   "axis",
-                                        "base",       "set",   "perturb", "model",
-                                        "severities", "small", "seeds",   "wanted"};
+    static const char *const known[] = {"igi_sweep", "name",  "subject", "about", "axis",
+                                        "base",      "set",   "perturb", "model", "severities",
+                                        "small",     "seeds", "wanted"};
     *s = (chart_sweep){.seeds = 5};
     IGI_TRY(igi_json_load(ctx, path, &s->file));
     s->root = igi_json_root(&s->file);

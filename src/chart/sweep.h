@@ -68,7 +68,7 @@ typedef struct chart_goal {
 typedef struct chart_sweep {
     igi_json_file file;
     igi_json root;
-    const char *name, *about, *label, *unit; /* the file's */
+    const char *name, *about, *subject, *label, *unit; /* the file's */
     size_t base_count;
     char **bases; /* [base_count] paths of specs or scene folders */
     igi_json set; /* {"path.to.value": value, ...} in the spec, "$" standing for the severity */
@@ -115,8 +115,11 @@ double chart_photo_mean(const chart_subject *subject);
 /* No word about this region in the comparison with truth. */
 void chart_unjudge(igi_materials *truth, const char *region);
 
-/* Writes cases.csv's neighbours: stability.csv, stability.svg and .png. */
+/* Writes cases.csv's neighbours: stability.csv and wanted.csv, */
 IGI_MUST_USE igi_status chart_stability_save(igi_context *ctx, const igi_stability *stability,
+                                             const char *folder);
+/* and from them stability.svg and .png. */
+IGI_MUST_USE igi_status chart_stability_draw(igi_context *ctx, const igi_stability *stability,
                                              const char *folder);
 
 #endif
