@@ -49,7 +49,8 @@ IGI_API IGI_MUST_USE igi_status igi_image_probe_exr(igi_context *context, const 
 
 typedef enum igi_exr_depth { IGI_EXR_HALF, IGI_EXR_FLOAT } igi_exr_depth;
 
-/* Writes an OpenEXR file (scan lines, ZIP), whole or not at all: beside, then renamed. */
+/* Writes an OpenEXR file (scan lines, ZIP), whole or not at all: beside, then renamed. Of floats, channels
+ * that half floats hold to the bit are written as such. */
 IGI_API IGI_MUST_USE igi_status igi_image_save_exr(igi_context *context, const igi_image *image,
                                                    igi_exr_depth depth, const char *path);
 

@@ -229,9 +229,9 @@ static double measured_scatter(const accumulator *acc)
 
 /* Without so many of a float's 23 bits: they are noise, more than half of the file, and most of the time
  * that compressing it takes. A radiance keeps what a half float has, .05 %, a tenth of what photons leave
- * of the best pixels; a variance, which is never known to that, 1 %. */
+ * of the best pixels; a variance, which is never known to that, 3 %. */
 #define RADIANCE_BITS 13
-#define VARIANCE_BITS 17
+#define VARIANCE_BITS 19
 static float rounded(float x, int dropped)
 {
     uint32_t bits;

@@ -29,6 +29,21 @@ static const float *channel_samples(const igi_image *image, const char *name)
     return NULL;
 }
 
+/* Does a half float hold all of a channel, to the bit? Of its 23 bits of mantissa no more than ten are in
+ * use then, and it lies between 2^-14 and 2^16, or is 0. */
+static bool fits_half(const igi_image *image, const float *samples)
+{
+    size_t count = (size_t)image->width * (size_t)image->height, step = (size_t)image->channels;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &samples[i * step], sizeof bits);
+        uint32_t exponent = bits >> 23 & 255;
+        if (bits & 0x1fff || (bits << 1 && (exponent < 127 - 14 || exponent > 127 + 15)))
+            return false;
+    }
+    return true;
+}
+
 static exr_result_t write_header(exr_context_t file, const igi_image *image, igi_exr_depth depth)
 {
     int part = 0;
@@ -36,10 +51,11 @@ static exr_result_t write_header(exr_context_t file, const igi_image *image, igi
     if (code == EXR_ERR_SUCCESS)
         code = exr_initialize_required_attr_simple(file, part, image->width, image->height,
                                                    EXR_COMPRESSION_ZIP);
-    for (int c = 0; code == EXR_ERR_SUCCESS && c < image->channels; c++)
-        code = exr_add_channel(file, part, image->names[c],
-                               depth == IGI_EXR_HALF ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
+    for (int c = 0; code == EXR_ERR_SUCCESS && c < image->channels; c++) {
+        bool half = depth == IGI_EXR_HALF || fits_half(image, image->samples + c);
+        code = exr_add_channel(file, part, image->names[c], half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
                                EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    }
     return code == EXR_ERR_SUCCESS ? exr_write_header(file) : code;
 }
 
