@@ -37,6 +37,8 @@ typedef struct igi_response {
     int channels, levels; /* as igi_photo's */
     float *exposure;
     int low[3], high[3];
+    double deviation; /* standard deviation of exposures against each other, relative, as far as the
+                       * photographs of one bracket contradict each other; 0: given, not recovered */
 } igi_response;
 
 IGI_API IGI_MUST_USE igi_status igi_response_create(igi_context *context, int channels, int levels,

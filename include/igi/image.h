@@ -21,6 +21,9 @@ typedef struct igi_image {
     int channels;      /* 1..IGI_MAX_BANDS + 1 */
     char names[IGI_MAX_BANDS + 1][IGI_CHANNEL_NAME_SIZE];
     float *samples;
+    float
+        deviation; /* standard deviation of its samples against each other beyond noise, relative: what
+                      * a recovered response leaves open (igi_response); 0: none is known. Files keep it */
 } igi_image;
 
 /* A zeroed image of the given size; names are R G B A for 3 or 4 channels, Y for one, else

@@ -131,6 +131,7 @@ static igi_status second_pass(igi_context *ctx, job *j, igi_merged *out)
     }
     out->scatter = igi_accumulator_finish(acc, exp(bracket->log_h[0]), o->full_well_e > 0);
     out->image = acc->image;
+    out->image->deviation = (float)j->response->deviation;
     acc->image = NULL;
 cleanup:
     if (acc) igi_accumulator_free(acc);

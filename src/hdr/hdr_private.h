@@ -53,7 +53,16 @@ typedef struct igi_bracket {
     double *unsaturated;    /* [count] fraction of the pixels, roughly */
 } igi_bracket;
 
-/* The response from the comparagrams and the stated exposures; fills log_ratio. */
+/* ln exposure of each code, but for a constant; and how much the bracket has to say about it. */
+typedef struct igi_log_curve {
+    double g[IGI_HDR_BINS], used[IGI_HDR_BINS];
+} igi_log_curve;
+
+/* Of each channel, from the comparagrams and the stated exposures; fills log_ratio. *deviation: as
+ * igi_response's. */
+IGI_MUST_USE igi_status igi_hdr_solve_response(igi_context *ctx, igi_bracket *bracket,
+                                               igi_log_curve *curves, double *deviation);
+/* The response by that. */
 IGI_MUST_USE igi_status igi_hdr_recover_response(igi_context *ctx, igi_bracket *bracket,
                                                  igi_response **response);
 

@@ -52,6 +52,7 @@ static igi_status known_response(igi_context *ctx, igi_response_kind kind,
         memcpy((*response)->exposure, given->exposure, count * sizeof *given->exposure);
         memcpy((*response)->low, given->low, sizeof given->low);
         memcpy((*response)->high, given->high, sizeof given->high);
+        (*response)->deviation = given->deviation;
     }
     for (size_t i = 0; kind == IGI_RESPONSE_SRGB && i < count; i++) {
         double v = (double)(*response)->exposure[i];

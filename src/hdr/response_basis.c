@@ -21,10 +21,7 @@
 #include "base/solve.h"
 #include "hdr/hdr_private.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define BINS IGI_HDR_BINS
@@ -214,64 +211,45 @@ static bool project(const double (*table)[IGI_HDR_TABLE], int channel, igi_respo
     return true;
 }
 
+/* How far the new curve runs from the one before, but for a factor: mean square of the logarithm over the
+ * codes that were known, as the few numbers cannot follow it or it was wrong. */
+static double square_between(const igi_response *response, int channel, const float *before)
+{
+    const float *x = response->exposure + (size_t)channel * (size_t)response->levels;
+    double sum = 0, square = 0;
+    int count = 0, step = response->levels / BINS;
+    for (int z = response->low[channel]; z <= response->high[channel]; z += step) {
+        if (!(x[z] > 0) || !(before[z] > 0)) continue;
+        double d = log((double)x[z] / (double)before[z]);
+        sum += d, square += d * d, count++;
+    }
+    return count ? fmax(0, square / count - sum * sum / count / count) : 0;
+}
+
 igi_status igi_hdr_fit_basis(igi_context *ctx, const igi_bracket *bracket,
                              const double (*table)[IGI_HDR_TABLE], igi_response *response)
 {
-    basis *b;
+    igi_status status = IGI_OK;
+    basis *b = NULL;
+    float *before = NULL;
     bool good = true;
-    IGI_TRY(IGI_ALLOC(ctx, 1, &b));
+    double square = 0;
+    size_t levels = (size_t)response->levels;
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, 1, &b));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, levels, &before));
     tabulate(b, bracket->levels);
     for (int c = 0; good && c < bracket->channels; c++) {
+        memcpy(before, response->exposure + (size_t)c * levels, levels * sizeof *before);
         find_slopes(b, response, c);
         good = table ? project(table, c, response) : fit_polynomial(b, bracket, c, response);
+        square += square_between(response, c, before) / bracket->channels;
     }
+    response->deviation = hypot(response->deviation, sqrt(square));
+    if (!good)
+        status = igi_fail(ctx, IGI_E_NO_ANSWER,
+                          "response: the bracket does not determine it; give the response");
+cleanup:
     igi_free(b);
-    if (good) return IGI_OK;
-    return igi_fail(ctx, IGI_E_NO_ANSWER,
-                    "response: the bracket does not determine it; give the response");
-}
-
-/* ---- the table ---- */
-
-/* Reads the IGI_HDR_TABLE numbers that follow the next '='. */
-static bool read_section(FILE *file, double values[IGI_HDR_TABLE])
-{
-    int c;
-    while ((c = getc(file)) != EOF && c != '=') {}
-    if (c == EOF) return false;
-    for (int i = 0; i < IGI_HDR_TABLE; i++)
-        if (fscanf(file, "%lf", &values[i]) != 1 || !(fabs(values[i]) < 100)) return false;
-    return true;
-}
-
-igi_status igi_hdr_load_basis(igi_context *ctx, const char *path, double (**table)[IGI_HDR_TABLE])
-{
-    double domain[IGI_HDR_TABLE];
-    igi_status status = IGI_OK;
-    *table = NULL;
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return igi_fail(ctx, errno == ENOENT ? IGI_E_DATA : IGI_E_SYSTEM,
-                        "%s: cannot be opened (%s); check the name and the permissions", path,
-                        strerror(errno));
-    status = IGI_ALLOC(ctx, COMPONENTS + 1, table);
-    bool good = status == IGI_OK && read_section(file, domain) && domain[0] == 0 &&
-                domain[IGI_HDR_TABLE - 1] == 1;
-    for (int k = 0; good && k <= COMPONENTS; k++) good = read_section(file, (*table)[k]);
-    good = good && fabs((*table)[0][0]) < 1e-6 && fabs((*table)[0][IGI_HDR_TABLE - 1] - 1) < 1e-6;
-    for (int k = 1; good && k <= COMPONENTS; k++)
-        good = fabs((*table)[k][0]) < 1e-6 && fabs((*table)[k][IGI_HDR_TABLE - 1]) < 1e-6;
-    /* Photographs are brighter than the light in them: a mean above the diagonal is of emor.txt. */
-    good = good && (*table)[0][IGI_HDR_TABLE / 2] < .5;
-    fclose(file);
-    if (status == IGI_OK && !good)
-        status = igi_fail(ctx, IGI_E_DATA,
-                          "%s: no table of inverse responses (B, g0, hinv(1) .. of %d numbers "
-                          "each); give the EMoR model's invemor.txt",
-                          path, IGI_HDR_TABLE);
-    if (status != IGI_OK) {
-        igi_free(*table);
-        *table = NULL;
-    }
+    igi_free(before);
     return status;
 }

@@ -268,6 +268,7 @@ static igi_status load(igi_context *ctx, igi_exr_source *from, igi_image **image
     }
     for (int i = 0; i < l.channels; i++)
         memcpy(made->names[l.slot[i]], l.names[i], IGI_CHANNEL_NAME_SIZE);
+    made->deviation = l.deviation;
     *image = made;
 cleanup:
     if (file) exr_finish(&file);

@@ -208,6 +208,9 @@ igi_status igi_exr_read_header(igi_context *ctx, const igi_exr_source *from, exr
                         "%s: %d x %d pixels with %d channels are more than igi reads; scale it "
                         "down",
                         from->name, out->data.width, out->data.height, out->channels);
+    if (exr_get_attribute_by_name(file, 0, IGI_EXR_DEVIATION, &attribute) == EXR_ERR_SUCCESS &&
+        attribute->type == EXR_ATTR_FLOAT && attribute->f > 0 && attribute->f < 10)
+        out->deviation = attribute->f;
     out->chromaticities = igi_rec709;
     if (exr_get_attribute_by_name(file, 0, "chromaticities", &attribute) == EXR_ERR_SUCCESS &&
         attribute->type == EXR_ATTR_CHROMATICITIES) {

@@ -12,6 +12,9 @@
 
 #define IGI_EXR_MAX_CHANNELS (IGI_MAX_BANDS + 1)
 
+/* The attribute of igi_image.deviation, a float. */
+#define IGI_EXR_DEVIATION "igiDeviation"
+
 /* Where the bytes come from: a file, or memory when fd < 0. */
 typedef struct igi_exr_source {
     const char *name;
@@ -37,6 +40,7 @@ typedef struct igi_exr_layout {
     int x_step[IGI_EXR_MAX_CHANNELS], y_step[IGI_EXR_MAX_CHANNELS];
     igi_chromaticities chromaticities;
     bool has_chromaticities;
+    float deviation;
 } igi_exr_layout;
 
 /* Opens the file at `path` for igi_exr_open; from->fd is then the caller's to close. */

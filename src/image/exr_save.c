@@ -4,6 +4,7 @@
  */
 #include "base/file.h"
 #include "image/exr_deflate.h"
+#include "image/exr_private.h"
 
 #include <igi/image.h>
 
@@ -56,6 +57,8 @@ static exr_result_t write_header(exr_context_t file, const igi_image *image, igi
         code = exr_add_channel(file, part, image->names[c], half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
                                EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     }
+    if (code == EXR_ERR_SUCCESS && image->deviation > 0)
+        code = exr_attr_set_float(file, part, IGI_EXR_DEVIATION, image->deviation);
     return code == EXR_ERR_SUCCESS ? exr_write_header(file) : code;
 }
 

@@ -82,6 +82,7 @@ igi_status igi_image_resample(igi_context *ctx, const igi_image *image, int widt
     IGI_TRY_GOTO(igi_image_create(ctx, width, image->height, image->channels, &wide));
     IGI_TRY_GOTO(igi_image_create(ctx, width, height, image->channels, result));
     memcpy((*result)->names, image->names, sizeof image->names);
+    (*result)->deviation = image->deviation;
     for (int row = 0; row < image->height; row++)
         apply(&x, width, image->samples + (size_t)row * (size_t)image->width * channels, channels,
               wide->samples + (size_t)row * (size_t)width * channels, channels, channels);

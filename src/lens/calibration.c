@@ -125,6 +125,7 @@ static json_t *pack_response(const igi_response *r)
     json_object_set_new(object, "low", low);
     json_object_set_new(object, "high", high);
     json_object_set_new(object, "exposure", curves);
+    if (r->deviation > 0) json_object_set_new(object, "std", json_real(r->deviation));
     return object;
 }
 

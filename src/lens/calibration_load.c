@@ -106,7 +106,8 @@ static igi_status read_response(igi_context *ctx, const igi_json *root, igi_resp
     if (!at.value) return IGI_OK;
     igi_json levels = igi_json_member(&at, "levels"), curves = igi_json_member(&at, "exposure");
     igi_json low = igi_json_member(&at, "low"), high = igi_json_member(&at, "high");
-    double number, lows[3], highs[3];
+    igi_json std = igi_json_member(&at, "std");
+    double number, lows[3], highs[3], deviation = 0;
     size_t channels = 0;
     IGI_TRY(igi_json_object(ctx, &at));
     IGI_TRY(igi_json_number(ctx, &levels, &number));
@@ -115,7 +116,11 @@ static igi_status read_response(igi_context *ctx, const igi_json *root, igi_resp
         return igi_json_fail(ctx, &at, "must have 256 or 65536 levels, and 1 or 3 curves");
     IGI_TRY(igi_json_numbers(ctx, &low, channels, lows));
     IGI_TRY(igi_json_numbers(ctx, &high, channels, highs));
+    if (std.value) IGI_TRY(igi_json_number(ctx, &std, &deviation));
+    if (!(deviation >= 0 && deviation < 10))
+        return igi_json_fail(ctx, &std, "is %g; give a relative standard deviation", deviation);
     IGI_TRY(igi_response_create(ctx, (int)channels, (int)number, response));
+    (*response)->deviation = deviation;
     for (size_t c = 0; c < channels; c++) {
         igi_json curve = igi_json_element(&curves, c);
         if (!(lows[c] >= 0 && lows[c] < highs[c] && highs[c] < number))

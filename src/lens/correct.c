@@ -140,6 +140,7 @@ igi_status igi_correct_for(igi_context *ctx, const igi_calibration *calibration,
     igi_stage_begin(ctx, "correct");
     IGI_TRY_GOTO(igi_image_create(ctx, image->width, image->height, image->channels, &j.out));
     memcpy(j.out->names, image->names, sizeof image->names);
+    j.out->deviation = image->deviation;
     for (int c = 0; c < image->channels; c++) j.kinds[c] = kind_of(image->names[c]);
     IGI_TRY_GOTO(igi_parallel_for(ctx, (size_t)image->height, correct_row, &j));
     *corrected = j.out;

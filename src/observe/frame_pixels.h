@@ -21,7 +21,7 @@ typedef struct frame_pixels {
     igi_outline *outlines;
     size_t reading_count;
     igi_lamp_reading *readings;
-    double lit_gaps;
+    double lit_gaps, deviation; /* the image's */
 } frame_pixels;
 
 typedef struct observing {

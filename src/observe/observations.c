@@ -76,6 +76,7 @@ static igi_status join_lamps(igi_context *ctx, const observing *j, igi_observati
             o->outlines[o->outline_count++] = f->outlines[k];
         for (size_t k = 0; k < f->reading_count; k++)
             o->readings[o->reading_count++] = f->readings[k];
+        o->response_deviation = fmax(o->response_deviation, f->deviation);
         o->lit_gaps += f->lit_gaps / (double)o->frame_count;
     }
     return IGI_OK;

@@ -47,6 +47,7 @@ typedef struct igi_observations {
     igi_outline *outlines; /* [outline_count] */
     size_t reading_count;
     igi_lamp_reading *readings; /* [reading_count] of lamps whose radiance nobody gave */
+    double response_deviation;  /* the largest of the photographs' */
     double lit_gaps;            /* mean over the photographs */
     igi_image **previews;       /* [frame_count] small pictures; NULL: nobody asked for them */
     size_t warning_count;

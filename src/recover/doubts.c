@@ -171,12 +171,14 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     double drift = r->drift / sqrt(fmax(1, (double)p->observations->frame_count));
     double unexplained = sqrt(fmax(0, trend * trend - USUAL_TREND * USUAL_TREND));
     double lamps = hypot(lamps_off, outlines_off);
-    double camera = hypot(drift, CORNER_MEAN * r->vignetting);
+    /* Of lamps it is common to all surfaces; of a surface it is its own, as bright as it is. */
+    double response = p->observations->response_deviation;
+    double camera = hypot(hypot(drift, CORNER_MEAN * r->vignetting), response);
     double common = hypot(hypot(lamps, unexplained), camera);
     for (size_t i = 0; i < m->count; i++) {
         igi_material *region = &m->materials[i];
         if (region->emitter || !region->determined) continue;
-        double own = misfit_of(&r->regions[i], r->usual_differ, region);
+        double own = hypot(misfit_of(&r->regions[i], r->usual_differ, region), response);
         widen(own, common, hypot(gaps, powers_off[i]), p->bands, region);
         IGI_TRY_GOTO(doubt_region(ctx, &r->regions[i], r->usual_differ, p->bands, region));
     }

@@ -44,6 +44,16 @@ expect 0 '' "$igi" correct -q --calibration camera.json merged/*.exr -o room/ima
 expect 0 '' "$igi" recover -q room -o out
 cmp out/materials.json by_keys/materials.json || fail "the manifest's keys give another result"
 expect 0 '' "$igi" validate -q out --truth room/truth --tolerance .01
+python3 - <<'PYTHON' || fail "error bars do not hold what the recovered response is off by"
+import json
+assert 1e-3 < json.load(open("camera.json"))["response"]["std"] < .02
+got = json.load(open("out/materials.json"))["regions"]
+for name, truth in json.load(open("room/truth/truth.json"))["regions"].items():
+    if name == "lamp":
+        continue
+    for x, want, std in zip(got[name]["albedo"], truth["albedo"], got[name]["albedo_std"]):
+        assert abs(x - want) < 2.5 * std, (name, x, want, std)  # without the response's part: 4.6
+PYTHON
 
 # Vignetting from the overlaps of the same brackets, by the lens and the response, beside the flat
 # field's.

@@ -814,6 +814,49 @@ static void write_curved(const char *path, double h, uint64_t seed)
     if (!png_image_write_to_file(&writer, path, 0, codes, 0, NULL)) abort();
 }
 
+/* Root mean square of what a recovered curve is off, but for a factor, in units of its deviation. */
+static double sigmas_off(const igi_response *r)
+{
+    double sum = 0, square = 0;
+    int count = 0;
+    for (int z = 6500; z < 58000; z += 250, count++) { /* where a bracket has much to say */
+        double u = pow(z / 65535., 2.2), truth = 1.5 * u / (2.5 - u);
+        double off = log((double)r->exposure[z] / truth);
+        sum += off, square += off * off;
+    }
+    double rms = sqrt(square / count - sum * sum / count / count);
+    printf("off by %.4f, stated %.4f\n", rms, r->deviation);
+    return rms / r->deviation;
+}
+
+static void deviation_of_a_response(void)
+{
+    igi_context *ctx = test_context(1);
+    char paths[4][40];
+    igi_exposure exposures[4];
+    igi_merge_options options;
+    igi_merge_options_init(&options);
+    options.response = IGI_RESPONSE_RECOVERED;
+    for (int k = 0; k < 5; k++) { /* the last two with false times, which three exposures show */
+        igi_merged *merged = NULL;
+        static const double rounded[4] = {1.02, .98, 1.01, .99};
+        size_t count = 2 + (size_t)(k < 3 ? k : k - 2);
+        for (int i = 0; i < 4; i++) {
+            snprintf(paths[i], 40, "test_hdr_curved_%d.png", i);
+            write_curved(paths[i], true_h[i], 50 + 4 * (uint64_t)k + (uint64_t)i);
+            exposures[i] = (igi_exposure){.path = paths[i], .time_s = true_h[i]};
+            if (k >= 3) exposures[i].time_s *= rounded[i];
+        }
+        printf("%zu exposures: ", count);
+        CHECK_OK(ctx, igi_merge(ctx, exposures, count, &options, &merged));
+        if (merged) CHECK(sigmas_off(merged->response) < 2.5);
+        if (merged) CHECK(merged->response->deviation < (k < 3 ? .004 : .04));
+        igi_merged_destroy(merged);
+    }
+    for (int i = 0; i < 4; i++) remove(paths[i]);
+    igi_context_destroy(ctx);
+}
+
 static void responses_from_few_numbers(void)
 {
     igi_context *ctx = test_context(1);
@@ -850,6 +893,7 @@ TEST_MAIN({"merges_at_the_cramer_rao_bound", merges_at_the_cramer_rao_bound},
           {"ratios_by_a_known_curve", ratios_by_a_known_curve},
           {"what_all_clip_is_marked", what_all_clip_is_marked},
           {"responses_from_few_numbers", responses_from_few_numbers},
+          {"deviation_of_a_response", deviation_of_a_response},
           {"what_moves_is_marked", what_moves_is_marked},
           {"what_is_wrong_is_said", what_is_wrong_is_said},
           {"every_allocation_may_fail", every_allocation_may_fail}, {"lists", lists},

@@ -425,6 +425,7 @@ static void files_round_trip(void)
     CHECK_OK(ctx, igi_response_create(ctx, 3, 256, &c->response));
     for (int i = 0; i < 768; i++) c->response->exposure[i] = powf((float)(i % 256) / 255, 2.2f);
     c->response->low[1] = 7;
+    c->response->deviation = .004;
     CHECK_OK(ctx, igi_calibration_save(ctx, c, path));
     CHECK_OK(ctx, igi_calibration_load(ctx, path, &back));
     if (back) {
@@ -440,6 +441,7 @@ static void files_round_trip(void)
             CHECK_NEAR((double)back->response->exposure[300], (double)c->response->exposure[300],
                        1e-8);
     }
+    if (back && back->response) CHECK_NEAR(back->response->deviation, .004, 1e-12);
     igi_calibration_destroy(back);
     igi_calibration_destroy(c);
     remove(path);
