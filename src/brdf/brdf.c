@@ -36,10 +36,11 @@ static float ward_core(float alpha, float tan2)
 }
 
 /* The density of half vectors is exp(-tan^2/alpha^2)/(pi alpha^2 cos^3 delta), and dh = di/(4 h.o)
- * (Walter, "Notes on the Ward BRDF", 2005). */
-static float ward_pdf(float alpha, igi_vec h, igi_vec out)
+ * (Walter, "Notes on the Ward BRDF", 2005). With the sum s = in + out, h.o = |s|/2, and
+ * cos^3 delta h.o = s_z^3/(2 |s|^2): nothing has to be normalised. */
+static float ward_squeeze(igi_vec sum)
 {
-    return ward_core(alpha, tan2_of(h)) / (h.z * h.z * h.z * igi_dot(h, out));
+    return sum.z * sum.z * sum.z / (2 * igi_dot(sum, sum));
 }
 
 static igi_vec ward_sample(float alpha, igi_vec out, float u, float v)
@@ -114,10 +115,10 @@ void igi_lobe_terms(igi_model model, float alpha, igi_vec in, igi_vec out, float
     *scale = *base = 0;
     if (model == IGI_LAMBERT || !(in.z > 0 && out.z > 0)) return;
     alpha = clamp_alpha(alpha);
-    igi_vec h = half_vector(in, out);
     if (model == IGI_WARD) {
-        *scale = ward_core(alpha, tan2_of(h)) / sqrtf(in.z * out.z);
+        *scale = ward_core(alpha, tan2_of(igi_add(in, out))) / sqrtf(in.z * out.z);
     } else if (model == IGI_GGX) {
+        igi_vec h = half_vector(in, out);
         float core = ggx_core(alpha, h, in, out), c = 1 - igi_dot(h, in);
         float schlick = c * c * c * c * c;
         *scale = core * (1 - schlick);
@@ -145,7 +146,10 @@ float igi_lobe_pdf(igi_model model, float alpha, igi_vec in, igi_vec out)
     if (!(in.z > 0 && out.z > 0)) return 0;
     alpha = clamp_alpha(alpha);
     switch (model) {
-    case IGI_WARD: return ward_pdf(alpha, half_vector(in, out), out);
+    case IGI_WARD: {
+        igi_vec sum = igi_add(in, out);
+        return ward_core(alpha, tan2_of(sum)) / ward_squeeze(sum);
+    }
     case IGI_GGX: return ggx_pdf(alpha, half_vector(in, out), out);
     case IGI_PHONG: {
         float n = phong_exponent(alpha);
@@ -156,11 +160,32 @@ float igi_lobe_pdf(igi_model model, float alpha, igi_vec in, igi_vec out)
     return in.z / IGI_PIF;
 }
 
+void igi_lobe_ratios(igi_model model, float alpha, igi_vec in, igi_vec out, float *scale,
+                     float *base)
+{
+    *scale = *base = 0;
+    if (!(in.z > 0 && out.z > 0)) return;
+    alpha = clamp_alpha(alpha);
+    igi_vec sum = igi_add(in, out);
+    if (model == IGI_WARD) {
+        *scale = ward_squeeze(sum) / sqrtf(in.z * out.z);
+    } else if (model == IGI_GGX) {
+        float mask_in = ggx_masking(alpha, in.z), mask_out = ggx_masking(alpha, out.z);
+        float all = (out.z + mask_out) / (out.z * mask_in + in.z * mask_out);
+        float c = 1 - 0.5f * igi_length(sum); /* |s|/2 is the cosine with the half vector */
+        *base = all * c * c * c * c * c;
+        *scale = all - *base;
+    } else if (model == IGI_PHONG) {
+        float n = phong_exponent(alpha);
+        *scale = (n + 2) / (n + 1);
+    }
+}
+
 float igi_ward_pdf_sum(const float *alphas, int count, igi_vec in, igi_vec out)
 {
     if (!(in.z > 0 && out.z > 0)) return 0;
-    igi_vec h = half_vector(in, out);
-    float tan2 = tan2_of(h), sum = 0;
+    igi_vec both = igi_add(in, out);
+    float tan2 = tan2_of(both), sum = 0;
     for (int k = 0; k < count; k++) sum += ward_core(clamp_alpha(alphas[k]), tan2);
-    return sum / (h.z * h.z * h.z * igi_dot(h, out));
+    return sum / ward_squeeze(both);
 }

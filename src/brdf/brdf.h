@@ -21,7 +21,11 @@ void igi_lobe_terms(igi_model model, float alpha, igi_vec in, igi_vec out, float
  * angle is igi_lobe_pdf. May come out below the surface: then it carries nothing. */
 igi_vec igi_lobe_sample(igi_model model, float alpha, igi_vec out, float u, float v);
 float igi_lobe_pdf(igi_model model, float alpha, igi_vec in, igi_vec out);
-/* Ward's, summed over roughnesses. */
+/* Both terms of the lobe over that density: what a direction that it chose carries. No exponential is
+ * needed. 0 of lambert, and below the surface. */
+void igi_lobe_ratios(igi_model model, float alpha, igi_vec in, igi_vec out, float *scale,
+                     float *base);
+/* The density of Ward's, summed over roughnesses. */
 float igi_ward_pdf_sum(const float *alphas, int count, igi_vec in, igi_vec out);
 
 #define IGI_ALPHA_MIN 1e-3f

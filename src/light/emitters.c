@@ -52,33 +52,22 @@ void igi_emitters_angles(const igi_lighting *l, size_t first, size_t count, igi_
     }
 }
 
+/* NEAR: it faces the point and is too large to be taken as small. */
 static void weigh_small(const igi_lighting *l, size_t first, size_t count, const igi_vec at[2],
                         float *restrict weights)
 {
     pieces p = pieces_from(l, first);
     igi_vec point = at[0], normal = at[1];
-    for (size_t i = 0; i < count; i++) {
-        float x = p.x[i] - point.x, y = p.y[i] - point.y, z = p.z[i] - point.z;
-        float squared = x * x + y * y + z * z + LEAST;
-        float at_light = -(x * p.nx[i] + y * p.ny[i] + z * p.nz[i]);
-        float at_point = x * normal.x + y * normal.y + z * normal.z;
-        float front = at_light > 0 ? at_light : 0, above = at_point > 0 ? at_point : 0;
-        weights[i] = p.area[i] * (above * front / (squared * squared));
-    }
-}
-
-/* Marks those that face the point and are too large to be taken as small. */
-static void mark_near(const igi_lighting *l, size_t first, size_t count, igi_vec point,
-                      float *restrict weights)
-{
-    pieces p = pieces_from(l, first);
     float reach = count > FEW_EMITTERS ? FAR_AREAS : (float)INFINITY;
     for (size_t i = 0; i < count; i++) {
         float x = p.x[i] - point.x, y = p.y[i] - point.y, z = p.z[i] - point.z;
         float squared = x * x + y * y + z * z;
         float at_light = -(x * p.nx[i] + y * p.ny[i] + z * p.nz[i]);
-        float limit = reach * p.area[i], kept = weights[i];
-        weights[i] = ((at_light > 0) & (squared <= limit)) ? NEAR : kept;
+        float at_point = x * normal.x + y * normal.y + z * normal.z;
+        float front = at_light > 0 ? at_light : 0, above = at_point > 0 ? at_point : 0;
+        float limit = reach * p.area[i], some = squared + LEAST;
+        float small = p.area[i] * (above * front / (some * some));
+        weights[i] = ((at_light > 0) & (squared <= limit)) ? NEAR : small;
     }
 }
 
@@ -154,7 +143,6 @@ float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, 
     const igi_vec at[2] = {point, normal};
     float sum = 0;
     weigh_small(l, s->first, s->count, at, weights);
-    mark_near(l, s->first, s->count, point, weights);
     for (size_t i = 0; i < s->count; i++) {
         const emitter *e = &l->emitters[s->first + i];
         if (weights[i] < 0 && s->count > FEW_EMITTERS) weights[i] = weigh_middle(e, point, normal);

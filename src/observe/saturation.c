@@ -46,9 +46,10 @@ static void find_tops(const scan *s, const size_t range[2], size_t fewest,
     for (size_t b = 0; b < bands; b++) {
         size_t shared = 0;
         tops[b] = 0;
-        for (size_t i = range[0]; i < range[1]; i++)
-            if (!region_of(s->scene, s->o, i)->emitter)
-                tops[b] = fmaxf(tops[b], s->o->radiance[i * bands + b]);
+        for (size_t i = range[0]; i < range[1]; i++) { /* few are above: only these are looked at */
+            float x = s->o->radiance[i * bands + b];
+            if (x > tops[b] && !region_of(s->scene, s->o, i)->emitter) tops[b] = x;
+        }
         if (tops[b] > 0) count_tops(s, range, b, tops[b]);
         for (size_t r = 0; tops[b] > 0 && r < s->scene->region_count; r++)
             if (!s->scene->regions[r].emitter && 2 * s->counts[r][1] <= s->counts[r][0])

@@ -2,7 +2,7 @@
  *
  * Seen from far away, so that every pixel has the same view direction z. Diffuse light is in closed
  * form: the room's radiance a + b y gives irradiance pi a + 2 pi/3 b n_y, and the box is small.
- * Lobes are summed over the box and over directions of their own.
+ * Lobes are summed over the box, or over directions of their own.
  */
 #include "report/sphere.h"
 
@@ -10,7 +10,8 @@
 
 #include <math.h>
 
-enum { BOX_SIDE = 5, LOBE_SAMPLES = 24 };
+enum { BOX_SIDE = 5, LOBE_SAMPLES = 24, ROOM_SAMPLES = 6 };
+#define BROAD 0.08f /* a lobe that spans several of the box's parts */
 #define AMBIENT 0.16f
 #define SLOPE 0.12f
 #define BOX_RADIANCE 9.0f
@@ -68,38 +69,33 @@ static igi_vec to_local(igi_vec v, igi_vec t, igi_vec b, igi_vec n)
     return (igi_vec){igi_dot(v, t), igi_dot(v, b), igi_dot(v, n)};
 }
 
-static void add_terms(lobe_light *sum, const igi_material *m, igi_vec in, igi_vec out, float light)
-{
-    float scale, base;
-    igi_lobe_terms(m->model, (float)m->alpha, in, out, &scale, &base);
-    sum->scale += light * in.z * scale;
-    sum->base += light * in.z * base;
-}
-
-/* The box from its parts, and from the lobe's own directions, by the balance heuristic; the room
- * from these alone. */
+/* A broad lobe has the box from its parts and the even room from a few directions, a narrow one both
+ * from directions of its own. */
 static lobe_light shine(const studio *s, const igi_material *m, igi_vec n)
 {
     lobe_light sum = {0, 0};
     igi_vec t, b;
-    float alpha = (float)m->alpha;
+    float alpha = (float)m->alpha, scale, base;
+    bool broad = alpha > BROAD;
+    int own = broad ? ROOM_SAMPLES : LOBE_SAMPLES;
     igi_frame_of(n, &t, &b);
     igi_vec out = to_local((igi_vec){0, 0, 1}, t, b, n);
-    for (int k = 0; k < BOX_SIDE * BOX_SIDE; k++) {
+    for (int k = 0; broad && k < BOX_SIDE * BOX_SIDE; k++) {
         igi_vec in = to_local(s->parts[k], t, b, n);
         if (in.z <= 0) continue;
-        float pdf = igi_lobe_pdf(m->model, alpha, in, out);
-        add_terms(&sum, m, in, out, BOX_RADIANCE / (1 / s->solid + LOBE_SAMPLES * pdf));
+        igi_lobe_terms(m->model, alpha, in, out, &scale, &base);
+        sum.scale += BOX_RADIANCE * s->solid * in.z * scale;
+        sum.base += BOX_RADIANCE * s->solid * in.z * base;
     }
-    for (int k = 0; k < LOBE_SAMPLES; k++) {
-        float u = ((float)k + 0.5f) / LOBE_SAMPLES, v = (float)k * 0.6180339887f;
+    for (int k = 0; k < own; k++) {
+        float u = ((float)k + 0.5f) / (float)own, v = (float)k * 0.6180339887f;
         igi_vec in = igi_lobe_sample(m->model, alpha, out, u, v - floorf(v));
-        float pdf = igi_lobe_pdf(m->model, alpha, in, out);
-        if (in.z <= 0 || !(pdf > 0)) continue;
+        if (in.z <= 0) continue;
         igi_vec world = igi_madd(igi_madd(igi_scale(t, in.x), b, in.y), n, in.z);
-        float share = is_box(s, world) ? BOX_RADIANCE / (1 / s->solid + LOBE_SAMPLES * pdf)
-                                       : room_radiance(world) / (LOBE_SAMPLES * pdf);
-        add_terms(&sum, m, in, out, share);
+        float light = is_box(s, world) ? (broad ? 0 : BOX_RADIANCE) : room_radiance(world);
+        igi_lobe_ratios(m->model, alpha, in, out, &scale, &base);
+        sum.scale += light * in.z * scale / (float)own;
+        sum.base += light * in.z * base / (float)own;
     }
     return sum;
 }

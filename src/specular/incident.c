@@ -80,22 +80,21 @@ static int add_lobe_ray(const igi_radiance_field *f, const igi_lobe *lobe, const
     const igi_problem *p = f->problem;
     float u = igi_rng_float(rng), v = igi_rng_float(rng);
     igi_vec in = igi_lobe_sample(lobe->model, lobe->alpha, e->out, u, v);
-    float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, e->out);
-    if (in.z <= 0 || !(pdf > 0)) return 0;
+    float met[IGI_MAX_BANDS] = {0}, scale, base, *sum = surfaces;
+    if (in.z <= 0) return 0;
+    igi_lobe_ratios(lobe->model, lobe->alpha, in, e->out, &scale, &base);
     igi_vec direction = igi_to_world(in, e->normal);
     igi_hit hit = igi_trace(p->tracer, e->point, direction);
-    float met[IGI_MAX_BANDS] = {0}, weight = in.z / pdf, *sum = surfaces;
     int rays = 1;
     if (hit.triangle == IGI_NO_HIT || is_lamp(p, hit.triangle)) {
+        float pdf = igi_lobe_pdf(lobe->model, lobe->alpha, in, e->out);
         if (lamps) sum = lamps;
         igi_lighting_add_met(p->lighting, e->point, direction, &hit, pdf, lamps ? 1 : INFINITY,
                              met);
     } else {
         rays += add_met(f, e->point, direction, &hit, deep, rng, met);
     }
-    float values[IGI_MAX_BANDS];
-    (void)lobe_values(lobe, p->bands, in, e->out, values);
-    for (int b = 0; b < p->bands; b++) sum[b] += values[b] * weight * met[b];
+    for (int b = 0; b < p->bands; b++) sum[b] += (lobe->specular[b] * scale + base) * in.z * met[b];
     return rays;
 }
 

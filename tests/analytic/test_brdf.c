@@ -185,6 +185,24 @@ static void reciprocity(void)
     }
 }
 
+/* What a lobe's own directions carry is the terms over the density, with no exponential. */
+static void ratios(void)
+{
+    igi_rng rng = igi_rng_make(2, 0);
+    for (int k = 0; k < 20000; k++) {
+        float alpha = alphas[k % ALPHAS], scale, base, terms[2];
+        igi_model m = models[1 + k % 3];
+        igi_vec out = direction(1.5f * igi_rng_float(&rng), 6 * igi_rng_float(&rng));
+        float u = igi_rng_float(&rng), v = igi_rng_float(&rng);
+        igi_vec in = igi_lobe_sample(m, alpha, out, u, v);
+        igi_lobe_ratios(m, alpha, in, out, &scale, &base);
+        igi_lobe_terms(m, alpha, in, out, &terms[0], &terms[1]);
+        double pdf = (double)igi_lobe_pdf(m, alpha, in, out), all = (double)(scale + base);
+        CHECK_NEAR((double)scale * pdf, (double)terms[0], 1e-3 * (double)terms[0] + 1e-12);
+        CHECK_NEAR((double)base * pdf, (double)terms[1], 1e-3 * all * pdf + 1e-12);
+    }
+}
+
 /* At normal incidence and reflection the formulas of the formats are one line each. */
 static void closed_forms(void)
 {
@@ -216,4 +234,4 @@ static void closed_forms(void)
 }
 
 TEST_MAIN({"samples follow density", samples_follow_density}, {"energy", energy},
-          {"reciprocity", reciprocity}, {"closed forms", closed_forms})
+          {"reciprocity", reciprocity}, {"ratios", ratios}, {"closed forms", closed_forms})
