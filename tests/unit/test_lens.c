@@ -8,6 +8,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "bridge/opencv.h"
+#include "lens/lens_private.h"
 
 #include <igi/lens.h>
 
@@ -269,6 +270,36 @@ static void shading_tables(void)
     igi_context_destroy(ctx);
 }
 
+/* A polynomial about the middle, its highest power too: of values, and of pairs of places. */
+static void polynomial_is_found(void)
+{
+    enum { COUNT = 400 };
+    static double places[COUNT][2], others[COUNT][2], values[COUNT], ratios[COUNT];
+    const igi_vignetting truth = {
+        .known = true, .centre_x = 400, .centre_y = 300, .k = {-.3, .2, -.25}};
+    const int size[2] = {800, 600};
+    igi_context *ctx = test_context(1);
+    igi_vignetting v;
+    igi_rng rng = igi_rng_make(1, 2);
+    for (int i = 0; i < COUNT; i++) {
+        for (int k = 0; k < 2; k++) {
+            places[i][k] = size[k] * (double)igi_rng_float(&rng);
+            others[i][k] = size[k] * (double)igi_rng_float(&rng);
+        }
+        values[i] = igi_vignetting_at(&truth, places[i][0], places[i][1], size);
+        ratios[i] = log(values[i] / igi_vignetting_at(&truth, others[i][0], others[i][1], size));
+    }
+    CHECK_OK(ctx, igi_vignetting_fit(ctx, (const double(*)[2])places, values, COUNT, size, &v));
+    for (int k = 0; k < 3; k++) CHECK_NEAR(v.k[k], truth.k[k], 1e-4);
+    igi_vignetting_pairs pairs = {.count = COUNT, .a = places, .b = others, .log_ratios = ratios};
+    CHECK_OK(ctx, igi_vignetting_fit_pairs(ctx, &pairs, size, &v));
+    for (int x = 0; x <= 800; x += 100) /* logarithms are fitted, which are no polynomial */
+        CHECK_NEAR(igi_vignetting_at(&v, x, x * .75, size) /
+                       igi_vignetting_at(&truth, x, x * .75, size),
+                   1, 0.015);
+    igi_context_destroy(ctx);
+}
+
 static void write_flat(const char *path, int width, int height, const igi_vignetting *v,
                        double level, uint64_t seed)
 {
@@ -514,6 +545,7 @@ static void foreign_files(void)
 TEST_MAIN({"opencv_left", opencv_left},
           {"synthetic_lens_within_its_deviations", synthetic_lens_within_its_deviations},
           {"bridge_turns_exceptions_into_words", bridge_turns_exceptions_into_words},
-          {"shading_tables", shading_tables}, {"flat_fields", flat_fields},
-          {"corrected_images", corrected_images}, {"files_round_trip", files_round_trip},
-          {"foreign_files", foreign_files}, {"broken_files_are_refused", broken_files_are_refused})
+          {"shading_tables", shading_tables}, {"polynomial_is_found", polynomial_is_found},
+          {"flat_fields", flat_fields}, {"corrected_images", corrected_images},
+          {"files_round_trip", files_round_trip}, {"foreign_files", foreign_files},
+          {"broken_files_are_refused", broken_files_are_refused})

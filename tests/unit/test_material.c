@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include "material/material.h"
+#include "material/result.h"
 
 #include <sys/stat.h>
 
@@ -131,6 +132,30 @@ static void same_content_same_bytes(void)
     igi_context_destroy(ctx);
 }
 
+/* What is given is known: its standard deviation goes, and so does a map that an albedo replaces. */
+static void edited(void)
+{
+    igi_context *ctx = test_context(1);
+    igi_materials *m = sample(ctx);
+    write_text(FOLDER "_edits.json", "{\"regions\": {\"floor\": {\"albedo\": [0.5, 0.6, 0.7]},"
+                                     " \"../wall/%é\": {\"albedo_hsv\": [0, 0, 1], "
+                                     "\"alpha\": 0.3}}}");
+    CHECK_OK(ctx, igi_materials_edit(ctx, m, FOLDER "_edits.json"));
+    const igi_material *floor = &m->materials[0], *wall = &m->materials[1];
+    for (int b = 0; b < 3; b++) {
+        CHECK_NEAR(floor->albedo[b], .5 + .1 * b, 1e-12);
+        CHECK_NEAR(wall->albedo[b], 1, 1e-12);
+        CHECK(floor->albedo_std[b] == 0 && wall->albedo_std[b] == 0);
+    }
+    CHECK(!wall->map && !wall->map_std && !wall->textured);
+    CHECK_NEAR(wall->alpha, .3, 1e-12);
+    CHECK(wall->alpha_std == 0 && wall->specular_std > 0);
+    write_text(FOLDER "_edits.json", "{\"regions\": {\"flor\": {\"albedo\": [0, 0, 0]}}}");
+    CHECK(igi_materials_edit(ctx, m, FOLDER "_edits.json") == IGI_E_DATA);
+    igi_materials_destroy(m);
+    igi_context_destroy(ctx);
+}
+
 static void file_name_is(igi_context *ctx, const char *region, const char *want)
 {
     char *name = NULL;
@@ -235,7 +260,7 @@ static void memory_runs_out(void)
 }
 
 TEST_MAIN({"written_is_read", written_is_read},
-          {"same_content_same_bytes", same_content_same_bytes},
+          {"same_content_same_bytes", same_content_same_bytes}, {"edited", edited},
           {"names_fit_for_files", names_fit_for_files},
           {"bad_input_says_what", bad_input_says_what}, {"truth_of_a_scene", truth_of_a_scene},
           {"memory_runs_out", memory_runs_out})

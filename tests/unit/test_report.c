@@ -38,7 +38,7 @@ static void errors_by_hand(void)
         "{\"igi\": 1, \"regions\": {"
         "\"a\": {\"albedo\": [0.55, 0.02], \"albedo_std\": [0.1, 0.002], \"model\": \"lambert\"},"
         "\"b\": {\"albedo\": [0.5, 0.5], \"model\": \"ward\", \"specular\": 0.12, \"alpha\": "
-        "0.15}}}");
+        "0.15, \"specular_std\": 0.01, \"alpha_std\": 0.02}}}");
     CHECK_OK(ctx, igi_validate(ctx, "report_got", "report_want", &v));
     if (v) {
         CHECK(v->region_count == 5);
@@ -47,6 +47,8 @@ static void errors_by_hand(void)
         CHECK(isnan(v->regions[1].sigmas) && isnan(v->regions[0].texture_median));
         CHECK_NEAR(v->regions[1].specular, .2, 1e-9);
         CHECK_NEAR(v->regions[1].alpha, .25, 1e-9);
+        CHECK_NEAR(v->regions[1].specular_z, 2, 1e-9);
+        CHECK_NEAR(v->regions[1].alpha_z, -2.5, 1e-9);
         CHECK(v->regions[2].missing && v->regions[2].judged);
         CHECK(!v->regions[3].judged && !v->regions[4].judged);
         CHECK_NEAR(v->albedo_mean, (.3 + 0 + 1) / 3, 1e-12);
@@ -58,6 +60,47 @@ static void errors_by_hand(void)
     put("report_want/truth.json", "{\"regions\": {\"a\": {\"albedo\": [1]}}}");
     CHECK(igi_validate(ctx, "report_got", "report_want", &v) == IGI_E_DATA);
     CHECK_CONTAINS(igi_context_message(ctx), "has 2 bands");
+    igi_context_destroy(ctx);
+}
+
+static void put_map(igi_context *ctx, const char *path, const float (*texels)[4])
+{
+    igi_image *map = NULL;
+    CHECK_OK(ctx, igi_image_create(ctx, 2, 2, 4, &map));
+    if (!map) abort();
+    snprintf(map->names[3], sizeof map->names[3], "A");
+    memcpy(map->samples, texels, 16 * sizeof **texels);
+    CHECK_OK(ctx, igi_image_save_exr(ctx, map, IGI_EXR_FLOAT, path));
+    igi_image_destroy(map);
+}
+
+/* Texels that are filled in (A of 0) are nobody's error; those that are determined are. */
+static void errors_of_texels(void)
+{
+    static const float got[4][4] = {
+        {.11f, .11f, .11f, 1}, {.9f, .9f, .9f, 0}, {.33f, .33f, .33f, .6f}, {.9f, .9f, .9f, .4f}};
+    static const float want[4][4] = {
+        {.1f, .1f, .1f, 1}, {.2f, .2f, .2f, 1}, {.3f, .3f, .3f, 1}, {.4f, .4f, .4f, 1}};
+    igi_context *ctx = test_context(1);
+    igi_validation *v = NULL;
+    mkdir("report_got", 0777);
+    mkdir("report_want", 0777);
+    put_map(ctx, "report_got/map.exr", got);
+    put_map(ctx, "report_want/map.exr", want);
+    put("report_want/truth.json",
+        "{\"regions\": {\"a\": {\"albedo\": [0.25, 0.25, 0.25], \"model\": \"lambert\", "
+        "\"texture\": \"map.exr\"}}}");
+    put("report_got/materials.json",
+        "{\"igi\": 1, \"regions\": {\"a\": {\"albedo\": [0.5, 0.5, 0.5], \"model\": \"lambert\", "
+        "\"textured\": true, \"albedo_map\": \"map.exr\"}}}");
+    CHECK_OK(ctx, igi_validate(ctx, "report_got", "report_want", &v));
+    if (v) {
+        CHECK_NEAR(v->regions[0].texture_median, .1, 1e-6);
+        CHECK_NEAR(v->regions[0].texture_mean, .1, 1e-6);
+        CHECK_NEAR(v->regions[0].texture_seen, .5, 0);
+        CHECK_NEAR(v->regions[0].albedo, .1, 1e-6); /* .22 of .2, where it is determined */
+    }
+    igi_validation_destroy(v);
     igi_context_destroy(ctx);
 }
 
@@ -256,5 +299,6 @@ static void a_page_of_awkward_content(void)
     igi_context_destroy(ctx);
 }
 
-TEST_MAIN({"errors_by_hand", errors_by_hand}, {"resampling", resampling}, {"colours", colours},
-          {"balls", balls}, {"a_page_of_awkward_content", a_page_of_awkward_content})
+TEST_MAIN({"errors_by_hand", errors_by_hand}, {"errors_of_texels", errors_of_texels},
+          {"resampling", resampling}, {"colours", colours}, {"balls", balls},
+          {"a_page_of_awkward_content", a_page_of_awkward_content})
