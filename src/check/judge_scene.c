@@ -120,14 +120,19 @@ static igi_status count_lights(const igi_case *c, igi_assumption *a)
         else if (light->seen) readable++;
         else if (unknown++ == 0) first = l;
     }
-    if (unknown == 0 && readable == 0 && given > 0)
-        return igi_case_find(c, a, IGI_HOLDS, (double)given, "the power of %s is given",
-                             given == 1 ? "the light" : "all lights");
-    if (unknown == 0 && readable > 0)
-        return igi_case_find(c, a, IGI_HOLDS, (double)(given + readable),
-                             "the power of %zu light%s can be read from the photographs, that of "
-                             "%zu is given",
-                             readable, readable == 1 ? "" : "s", given);
+    if (unknown == 0 && given + readable > 0) {
+        const char *all = given + readable == 1 ? "the light" : "all lights";
+        double count = (double)(given + readable);
+        if (readable == 0)
+            return igi_case_find(c, a, IGI_HOLDS, count, "the power of %s is given", all);
+        if (given == 0)
+            return igi_case_find(c, a, IGI_HOLDS, count,
+                                 "the power of %s can be read from the photographs", all);
+        return igi_case_find(c, a, IGI_HOLDS, count,
+                             "the power of %zu light%s is given, that of %zu can be read from the "
+                             "photographs",
+                             given, given == 1 ? "" : "s", readable);
+    }
     if (given + readable == 0) {
         IGI_TRY(igi_case_find(c, a, IGI_FAILS, (double)unknown,
                               unknown ? "no light's power is given or seen: bright lights and dark "
