@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * OpenCV behind C.
+ * OpenCV's boards and lenses behind C.
  */
-extern "C" {
-#include "base/context.h"
-}
+#include "bridge/guarded.hh"
 #include "bridge/opencv.h"
 
 #ifdef IGI_ARUCO
@@ -12,54 +10,13 @@ extern "C" {
 #endif
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/photo.hpp>
 
 #include <cmath>
 #include <cstring>
-#include <new>
 #include <vector>
 
 namespace
 {
-
-// OpenCV prints errors before it throws them; the sentence says enough.
-int say_nothing(int, const char *, const char *, const char *, int, void *)
-{
-    return 0;
-}
-
-// Runs the body; every exception becomes a status.
-template <class Body> igi_status guarded(igi_context *ctx, const char *what, Body body)
-{
-    try {
-        cv::redirectError(say_nothing);
-        cv::setNumThreads(igi_threads(ctx));
-        body();
-        return IGI_OK;
-    } catch (const std::bad_alloc &) {
-        return igi_fail(ctx, IGI_E_SYSTEM, "%s: no memory; use fewer or smaller photographs", what);
-    } catch (const std::exception &e) {
-        return igi_fail(ctx, IGI_E_NO_ANSWER, "%s: OpenCV gave up (%.200s); check the input", what,
-                        e.what());
-    } catch (...) {
-        return igi_fail(ctx, IGI_E_INTERNAL, "%s: OpenCV threw what it should not; report this",
-                        what);
-    }
-}
-
-std::vector<cv::Mat> photos_of(const igi_cv_bracket *bracket)
-{
-    std::vector<cv::Mat> photos;
-    for (size_t i = 0; i < bracket->count; i++)
-        photos.emplace_back(bracket->height, bracket->width, CV_8UC3,
-                            const_cast<uint8_t *>(bracket->photos[i]));
-    return photos;
-}
-
-std::vector<float> times_of(const igi_cv_bracket *bracket)
-{
-    return std::vector<float>(bracket->times_s, bracket->times_s + bracket->count);
-}
 
 // The refinement looks at a square around each corner. One that reaches the next corner drags the
 // corners by a pixel and makes a good photograph look bad, so it follows the smallest distance.
@@ -81,7 +38,7 @@ igi_status igi_cv_find_chessboard(igi_context *ctx, const uint8_t *grey, int wid
                                   int columns, int rows, float *corners, bool *found)
 {
     *found = false;
-    return guarded(ctx, "chessboard", [&] {
+    return igi::guarded(ctx, "chessboard", [&] {
         const cv::Mat image(height, width, CV_8UC1, const_cast<uint8_t *>(grey));
         std::vector<cv::Point2f> points;
         if (!cv::findChessboardCorners(image, cv::Size(columns, rows), points,
@@ -135,7 +92,7 @@ igi_status igi_cv_find_charuco(igi_context *ctx, const uint8_t *grey, int width,
 {
     bool known = false;
     *found = 0;
-    const igi_status status = guarded(ctx, "ChArUco", [&] {
+    const igi_status status = igi::guarded(ctx, "ChArUco", [&] {
         const auto board = board_of(wanted);
         if (!board) return;
         known = true;
@@ -160,7 +117,7 @@ igi_status igi_cv_draw_charuco(igi_context *ctx, const igi_cv_charuco *wanted, i
                                uint8_t *grey)
 {
     bool known = false;
-    const igi_status status = guarded(ctx, "ChArUco", [&] {
+    const igi_status status = igi::guarded(ctx, "ChArUco", [&] {
         const auto board = board_of(wanted);
         if (!board) return;
         known = true;
@@ -221,7 +178,7 @@ igi_status igi_cv_calibrate(igi_context *ctx, const igi_cv_views *views,
                             double parameters[IGI_CV_PARAMETERS],
                             double deviations[IGI_CV_PARAMETERS], double *rms, double *view_rms)
 {
-    return guarded(ctx, "calibration", [&] {
+    return igi::guarded(ctx, "calibration", [&] {
         std::vector<std::vector<cv::Point3f>> boards(views->count);
         std::vector<std::vector<cv::Point2f>> corners(views->count);
         for (size_t v = 0; v < views->count; v++) seen_corners(views, v, boards[v], corners[v]);
@@ -247,7 +204,7 @@ igi_status igi_cv_residuals(igi_context *ctx, const igi_cv_views *views,
 {
     const size_t size = views->count * views->points * 2;
     std::fill_n(residuals, size, std::nanf(""));
-    return guarded(ctx, "residuals", [&] {
+    return igi::guarded(ctx, "residuals", [&] {
         const cv::Matx33d camera(parameters[0], 0, parameters[2], 0, parameters[1], parameters[3],
                                  0, 0, 1);
         const cv::Mat distortion(1, 5, CV_64F, const_cast<double *>(parameters + 4));
@@ -267,41 +224,11 @@ igi_status igi_cv_residuals(igi_context *ctx, const igi_cv_views *views,
     });
 }
 
-igi_status igi_cv_response(igi_context *ctx, const igi_cv_bracket *bracket, bool robertson,
-                           float *response)
-{
-    return guarded(ctx, "response", [&] {
-        cv::Ptr<cv::CalibrateCRF> method;
-        if (robertson) method = cv::createCalibrateRobertson();
-        else method = cv::createCalibrateDebevec();
-        cv::Mat result;
-        method->process(photos_of(bracket), result, times_of(bracket));
-        for (int z = 0; z < 256; z++)
-            for (int c = 0; c < 3; c++) response[3 * z + c] = result.at<cv::Vec3f>(z)[c];
-    });
-}
-
-igi_status igi_cv_merge(igi_context *ctx, const igi_cv_bracket *bracket, const float *response,
-                        bool robertson, float *radiance)
-{
-    return guarded(ctx, "merge", [&] {
-        const cv::Mat curve(256, 1, CV_32FC3, const_cast<float *>(response));
-        cv::Ptr<cv::MergeExposures> method;
-        if (robertson) method = cv::createMergeRobertson();
-        else method = cv::createMergeDebevec();
-        cv::Mat result;
-        method->process(photos_of(bracket), result, times_of(bracket), curve);
-        const cv::Mat whole = result.isContinuous() ? result : result.clone();
-        std::memcpy(radiance, whole.ptr<float>(),
-                    size_t(bracket->width) * size_t(bracket->height) * 3 * sizeof(float));
-    });
-}
-
 igi_status igi_cv_load_lens(igi_context *ctx, const char *path, int size[2],
                             double parameters[IGI_CV_PARAMETERS])
 {
     bool good = false;
-    const igi_status status = guarded(ctx, path, [&] {
+    const igi_status status = igi::guarded(ctx, path, [&] {
         cv::FileStorage file(path, cv::FileStorage::READ);
         cv::Mat matrix, distortion, m, d;
         if (!file.isOpened()) return;

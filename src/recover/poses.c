@@ -45,14 +45,13 @@ static void keep(const igi_scene *given, igi_poses *p, size_t frame)
     f->moved_px = 0;
 }
 
-/* Of some that seemed off each must convince, of all they together. */
-static void keep_unconvincing(const igi_scene *given, need who, igi_poses *p)
+void igi_poses_keep_unconvincing(const igi_scene *given, bool all, igi_poses *p)
 {
     const igi_registered *r = p->registered;
-    bool none = who == ALL && r->after_px > LEAVES * r->before_px;
+    bool none = all && r->after_px > LEAVES * r->before_px;
     for (size_t i = 0; i < r->frame_count; i++) {
         const igi_registered_frame *f = &r->frames[i];
-        bool one = who == SOME && f->moved && !(f->after_px < LEAVES * f->before_px);
+        bool one = !all && f->moved && !(f->after_px < LEAVES * f->before_px);
         if (none || one) keep(given, p, i);
     }
 }
@@ -187,7 +186,7 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
                                 .which = who == SOME ? which : NULL};
     IGI_TRY_GOTO(find(ctx, scene, &start, &p));
     if (!p) goto cleanup;
-    if (when == IGI_REGISTER_AUTO) keep_unconvincing(scene, who, p);
+    if (when == IGI_REGISTER_AUTO) igi_poses_keep_unconvincing(scene, who == ALL, p);
     if (count_moved(p->registered) > 0) {
         igi_stage_begin(ctx, "observe");
         IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));

@@ -20,6 +20,9 @@ typedef struct igi_poses {
 IGI_MUST_USE igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene,
                                        const igi_tracer *tracer, igi_registering when,
                                        igi_observations **observations, igi_poses **poses);
+/* Gives back the cameras whose edges did not come clearly nearer: where `all` seemed off, all of them by
+ * what all edges did together, else each by its own. */
+void igi_poses_keep_unconvincing(const igi_scene *given, bool all, igi_poses *poses);
 void igi_poses_destroy(igi_poses *poses);
 
 #endif

@@ -5,22 +5,9 @@
 # shellcheck source=tests/check.sh
 . "$(dirname "$0")/../check.sh"
 
-cat >spec.json <<'JSON'
-{ "igi_synth": 1, "name": "blocks",
-  "materials": { "table": { "albedo": 0.7 }, "a": { "albedo": 0.2 }, "b": { "albedo": 0.5 },
-                 "c": { "albedo": [0.6, 0.2, 0.1] } },
-  "shapes": [ { "type": "quad", "corner": [0, 0, 0], "u": [4, 0, 0], "v": [0, 4, 0],
-                "material": "table" },
-              { "type": "box", "at": [1.2, 1.4, 0], "size": [0.8, 0.8, 1], "turn_deg": 20,
-                "material": "a" },
-              { "type": "box", "at": [2.8, 1.6, 0], "size": [0.7, 0.9, 0.7], "material": "b" },
-              { "type": "box", "at": [2, 2.9, 0], "size": [1.2, 0.6, 0.5], "turn_deg": -15,
-                "material": "c" } ],
-  "lights": [ { "type": "ambient", "radiance": [0.5, 0.5, 0.5] },
-              { "type": "directional", "direction": [0.3, 0.4, -1], "irradiance": [2, 2, 2] } ],
-  "views": { "width": 200, "height": 150, "count": 3, "samples": 16, "fov_deg": 60,
-             "ring": { "centre": [2, 2, 0.4], "radius": 3.5, "height": 2.2 } } }
-JSON
+sed 's/"width": 160, "height": 120, "count": 8, "samples": 8/"width": 200, "height": 150, "count": 3, "samples": 16/' \
+    "$tests/cli/blocks.json" >spec.json
+grep -q '"count": 3' spec.json || fail "blocks.json has other views"
 expect 0 '' "$igi" synth -q spec.json -o room
 cat >spoil.py <<'PYTHON'
 import json, random
