@@ -2,31 +2,22 @@
  *
  * "random": a spec that says only within what a room is drawn. The context's seed chooses one; it
  * becomes plain "materials", "shapes" and "lights", and the rest of the spec is read as ever.
- * Materials come from a table of measured ones (lines of NAME and rho_d, rho_s for R, G, B and
- * Ward's alpha), or level by level from ranges, uniform in the logarithm.
+ * Numbers are uniform in their range, those of materials and radiance in its logarithm.
  */
-#include "synth/synth.h"
-
 #include "base/rng.h"
-#include "scene/file_text.h"
+#include "synth/random_ranges.h"
 
 #include <math.h>
 #include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
-#define MOST 8      /* lamps, and pieces of furniture */
 #define TRIES 200   /* for a free place; what finds none is left out */
 #define MARGIN 0.15 /* metres between things */
-#define TABLE_BYTES (1 << 20)
 
 typedef struct draw {
     igi_context *ctx;
     igi_rng rng;
-    double low[3], high[3]; /* of the room's size */
-    double furniture[2], lamps[2], lamp_size[2], radiance[2], glossy, textured;
-    double albedo[2], specular[2], alpha[2];
-    double (*table)[7]; /* NULL: ranges */
-    size_t rows;
+    random_ranges ranges;
     double size[3]; /* of the room */
     json_t *materials, *shapes, *lights, *panels;
 } draw;
@@ -46,121 +37,20 @@ static int whole(draw *d, const double range[2])
     return (int)floor(uniform(d, range[0], range[1] + 1));
 }
 
-static igi_status read_range(igi_context *ctx, const igi_json *object, const char *key,
-                             const double limits[2], double range[2])
-{
-    igi_json at = igi_json_member(object, key);
-    if (!at.value) return IGI_OK;
-    IGI_TRY(igi_json_numbers(ctx, &at, 2, range));
-    if (range[0] >= limits[0] && range[1] <= limits[1] && range[0] <= range[1]) return IGI_OK;
-    return igi_json_fail(ctx, &at, "is from %g to %g; give a range within %g to %g", range[0],
-                         range[1], limits[0], limits[1]);
-}
-
-static igi_status read_room(igi_context *ctx, const igi_json *at, draw *d)
-{
-    static const char *const known[] = {"low", "high"};
-    igi_json room = igi_json_member(at, "room");
-    if (!room.value) return IGI_OK;
-    IGI_TRY(igi_json_object(ctx, &room));
-    IGI_TRY(igi_json_check_keys(ctx, &room, known, COUNT(known)));
-    IGI_TRY(member_vector(ctx, &room, "low", d->low));
-    IGI_TRY(member_vector(ctx, &room, "high", d->high));
-    for (int k = 0; k < 3; k++)
-        if (!(d->low[k] >= 2 && d->low[k] <= d->high[k] && d->high[k] <= 100))
-            return igi_json_fail(ctx, &room, "needs sides from 2 to 100 metres, low before high");
-    return IGI_OK;
-}
-
-static igi_status read_ranges(igi_context *ctx, const igi_json *at, draw *d)
-{
-    static const char *const known[] = {"room",   "furniture", "lamps",  "lamp_size",
-                                        "glossy", "textured",  "albedo", "specular",
-                                        "alpha",  "radiance",  "table"};
-    const double count[2] = {0, MOST}, one[2] = {1, MOST}, metres[2] = {0.05, 1},
-                 bright[2] = {0.1, 1e4};
-    const double share[2] = {1e-3, 0.95}, lobe[2] = {1e-4, 0.5}, width[2] = {1e-3, 1};
-    IGI_TRY(igi_json_object(ctx, at));
-    IGI_TRY(igi_json_check_keys(ctx, at, known, COUNT(known)));
-    IGI_TRY(read_room(ctx, at, d));
-    IGI_TRY(read_range(ctx, at, "furniture", count, d->furniture));
-    IGI_TRY(read_range(ctx, at, "lamps", one, d->lamps));
-    IGI_TRY(read_range(ctx, at, "lamp_size", metres, d->lamp_size));
-    IGI_TRY(read_range(ctx, at, "radiance", bright, d->radiance));
-    IGI_TRY(read_range(ctx, at, "albedo", share, d->albedo));
-    IGI_TRY(read_range(ctx, at, "specular", lobe, d->specular));
-    IGI_TRY(read_range(ctx, at, "alpha", width, d->alpha));
-    IGI_TRY(optional_number(ctx, at, "glossy", 0, 1, &d->glossy));
-    return optional_number(ctx, at, "textured", 0, 1, &d->textured);
-}
-
-/* One line of the table; what would send out more light than it receives is passed over. */
-static igi_status read_row(draw *d, const char *line, const char *path, size_t number)
-{
-    const char *at = strchr(line, ',');
-    double *row = d->table[d->rows];
-    for (int k = 0; k < 7; k++) {
-        if (at && *at == ',') at++;
-        if (!at || !igi_scan_number(&at, &row[k]) || !(row[k] >= 0 && row[k] < 10))
-            return igi_fail(d->ctx, IGI_E_DATA,
-                            "%s:%zu: no material; a line has a name, rho_d and rho_s for R, G, B "
-                            "and alpha, with commas between",
-                            path, number);
-    }
-    bool possible = row[6] >= 1e-3 && row[6] <= 1;
-    for (int b = 0; b < 3; b++) possible = possible && row[b] + row[3 + b] <= 1;
-    d->rows += possible;
-    return IGI_OK;
-}
-
-static igi_status read_table(draw *d, const char *path)
-{
-    igi_text text;
-    IGI_TRY(igi_text_load(d->ctx, path, TABLE_BYTES, &text));
-    size_t lines = 1, number = 1;
-    for (size_t i = 0; i < text.size; i++) lines += text.bytes[i] == '\n';
-    igi_status status = IGI_ALLOC(d->ctx, lines, &d->table);
-    for (const char *at = text.bytes; status == IGI_OK; number++) {
-        if (number > 1 && *at) status = read_row(d, at, path, number); /* the first is a heading */
-        at = strchr(at, '\n');
-        if (!at++) break;
-    }
-    if (status == IGI_OK && d->rows == 0)
-        status = igi_fail(d->ctx, IGI_E_DATA, "%s: has no possible material; give a table", path);
-    igi_free(text.bytes);
-    return status;
-}
-
-/* The table lies beside the spec, or where its absolute path says. */
-static igi_status find_table(draw *d, const igi_json *at)
-{
-    igi_json table = igi_json_member(at, "table");
-    const char *name;
-    char *folder = NULL, *path = NULL;
-    if (!table.value) return IGI_OK;
-    IGI_TRY(igi_json_string(d->ctx, &table, &name));
-    igi_status status = igi_path_folder(d->ctx, at->file->path, &folder);
-    if (status == IGI_OK) status = igi_path_join(d->ctx, folder, name, &path);
-    if (status == IGI_OK) status = read_table(d, path);
-    igi_free(folder);
-    igi_free(path);
-    return status;
-}
-
 /* rho_d, rho_s, alpha; the lobe is neutral. */
 static void draw_material(draw *d, double *albedo, double *specular, double *alpha)
 {
-    if (d->table) {
-        const double *row = d->table[(size_t)uniform(d, 0, (double)d->rows)];
+    if (d->ranges.table) {
+        const double *row = d->ranges.table[(size_t)uniform(d, 0, (double)d->ranges.rows)];
         memcpy(albedo, row, 3 * sizeof *albedo);
         *specular = (row[3] + row[4] + row[5]) / 3;
         *alpha = row[6];
         return;
     }
-    double level = log_uniform(d, d->albedo);
+    double level = log_uniform(d, d->ranges.albedo);
     for (int b = 0; b < 3; b++) albedo[b] = level * uniform(d, 0.5, 1);
-    *specular = fmin(log_uniform(d, d->specular), 1 - level);
-    *alpha = log_uniform(d, d->alpha);
+    *specular = fmin(log_uniform(d, d->ranges.specular), 1 - level);
+    *alpha = log_uniform(d, d->ranges.alpha);
 }
 
 static json_t *draw_texture(draw *d, const double *albedo)
@@ -178,7 +68,8 @@ static json_t *draw_texture(draw *d, const double *albedo)
 static bool add_material(draw *d, const char *name, bool may_have_texture)
 {
     double albedo[3], specular, alpha;
-    bool glossy = uniform(d, 0, 1) < d->glossy, textured = uniform(d, 0, 1) < d->textured;
+    bool glossy = uniform(d, 0, 1) < d->ranges.glossy,
+         textured = uniform(d, 0, 1) < d->ranges.textured;
     draw_material(d, albedo, &specular, &alpha);
     json_t *o = json_object(), *map = draw_texture(d, albedo);
     int bad = !o || !map;
@@ -220,12 +111,12 @@ static bool find_place(draw *d, double (*discs)[3], int count, double radius)
 
 static bool add_lamps(draw *d)
 {
-    double discs[MOST][3];
-    int wanted = whole(d, d->lamps), count = 0, bad = 0;
+    double discs[RANDOM_MOST][3];
+    int wanted = whole(d, d->ranges.lamps), count = 0, bad = 0;
     for (int i = 0; i < wanted; i++) {
-        double x = uniform(d, d->lamp_size[0], d->lamp_size[1]) / 2,
-               y = uniform(d, d->lamp_size[0], d->lamp_size[1]) / 2;
-        double power = log_uniform(d, d->radiance), warm = uniform(d, 0.7, 1);
+        double x = uniform(d, d->ranges.lamp_size[0], d->ranges.lamp_size[1]) / 2,
+               y = uniform(d, d->ranges.lamp_size[0], d->ranges.lamp_size[1]) / 2;
+        double power = log_uniform(d, d->ranges.radiance), warm = uniform(d, 0.7, 1);
         if (!find_place(d, discs, count, hypot(x, y))) continue;
         const double *c = discs[count++];
         char name[24];
@@ -244,8 +135,8 @@ static bool add_lamps(draw *d)
 /* Boxes and, one time in four, spheres that stand on the floor. */
 static bool add_furniture(draw *d)
 {
-    double discs[MOST][3];
-    int wanted = whole(d, d->furniture), count = 0, bad = 0;
+    double discs[RANDOM_MOST][3];
+    int wanted = whole(d, d->ranges.furniture), count = 0, bad = 0;
     for (int i = 0; i < wanted; i++) {
         bool round = uniform(d, 0, 1) < 0.25;
         double radius = uniform(d, 0.2, 0.45), x = uniform(d, 0.4, 1.1), y = uniform(d, 0.4, 1.1);
@@ -279,7 +170,7 @@ static bool add_room(draw *d)
 
 static igi_status draw_room(draw *d, const igi_json *root)
 {
-    for (int k = 0; k < 3; k++) d->size[k] = uniform(d, d->low[k], d->high[k]);
+    for (int k = 0; k < 3; k++) d->size[k] = uniform(d, d->ranges.low[k], d->ranges.high[k]);
     d->materials = json_object();
     d->shapes = json_array();
     d->lights = json_array();
@@ -305,22 +196,9 @@ igi_status random_expand(igi_context *ctx, const igi_json *root)
         if (other.value)
             return igi_json_fail(ctx, &other, "and \"random\" exclude each other; keep one");
     }
-    draw d = {.ctx = ctx,
-              .rng = igi_rng_make(igi_seed(ctx), 0x2a4d),
-              .low = {3, 3, 2.4},
-              .high = {5, 5, 3.2},
-              .furniture = {3, 6},
-              .lamps = {1, 3},
-              .lamp_size = {0.3, 0.8},
-              .radiance = {8, 30},
-              .glossy = 0.6,
-              .textured = 0.2,
-              .albedo = {0.02, 0.9},
-              .specular = {0.005, 0.2},
-              .alpha = {0.006, 0.5}};
-    igi_status status = read_ranges(ctx, &at, &d);
-    if (status == IGI_OK) status = find_table(&d, &at);
+    draw d = {.ctx = ctx, .rng = igi_rng_make(igi_seed(ctx), 0x2a4d)};
+    igi_status status = random_ranges_read(ctx, &at, &d.ranges);
     if (status == IGI_OK) status = draw_room(&d, root);
-    igi_free(d.table);
+    igi_free(d.ranges.table);
     return status;
 }
