@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/scene_parts.h"
 
+#include "scene/light_place.h"
 #include "scene/light_units.h"
 #include "scene/sun.h"
 
@@ -31,12 +32,9 @@ static igi_status find_region(igi_context *ctx, const igi_json *at, const char *
                          scene->regions[0].name);
 }
 
+/* Beyond those of igi_light_place_key. */
 typedef enum light_key {
-    KEY_REGION = 1,
-    KEY_POSITION = 2,
-    KEY_FROM_TO = 4,
-    KEY_DIRECTION = 8,
-    KEY_CONE = 16,
+    KEY_REGION = 16,
     KEY_PROFILE = 32,
     KEY_IMAGE = 64,
     KEY_SCALE = 128, /* the value is one number */
@@ -52,11 +50,12 @@ static const struct {
 } kinds[] = {
     {"area", IGI_LIGHT_AREA, "radiance", KEY_REGION},
     {"volume", IGI_LIGHT_AREA, "emission", KEY_REGION | KEY_VOLUME},
-    {"point", IGI_LIGHT_POINT, "intensity", KEY_POSITION},
-    {"spot", IGI_LIGHT_SPOT, "intensity", KEY_POSITION | KEY_DIRECTION | KEY_CONE},
-    {"line", IGI_LIGHT_LINE, "intensity", KEY_FROM_TO},
-    {"goniometric", IGI_LIGHT_GONIOMETRIC, "scale", KEY_POSITION | KEY_PROFILE | KEY_SCALE},
-    {"directional", IGI_LIGHT_DIRECTIONAL, "irradiance", KEY_DIRECTION},
+    {"point", IGI_LIGHT_POINT, "intensity", IGI_PLACE_POSITION},
+    {"spot", IGI_LIGHT_SPOT, "intensity",
+     IGI_PLACE_POSITION | IGI_PLACE_DIRECTION | IGI_PLACE_CONE},
+    {"line", IGI_LIGHT_LINE, "intensity", IGI_PLACE_FROM_TO},
+    {"goniometric", IGI_LIGHT_GONIOMETRIC, "scale", IGI_PLACE_POSITION | KEY_PROFILE | KEY_SCALE},
+    {"directional", IGI_LIGHT_DIRECTIONAL, "irradiance", IGI_PLACE_DIRECTION},
     {"env", IGI_LIGHT_ENV, "scale", KEY_IMAGE | KEY_SCALE},
     {"sky", IGI_LIGHT_ENV, "scale", KEY_SKY | KEY_SCALE},
     {"ambient", IGI_LIGHT_AMBIENT, "radiance", 0},
@@ -76,71 +75,12 @@ static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t 
     known[count++] = "type";
     known[count++] = kinds[kind].value;
     if (keys & KEY_REGION) known[count++] = "region";
-    if (keys & KEY_POSITION) known[count++] = "position";
-    if (keys & KEY_FROM_TO) known[count++] = "from";
-    if (keys & KEY_FROM_TO) known[count++] = "to";
-    if (keys & (KEY_POSITION | KEY_FROM_TO)) known[count++] = "position_std";
-    if (keys & KEY_DIRECTION) known[count++] = "direction";
-    if (keys & KEY_CONE) known[count++] = "cutoff_deg";
-    if (keys & KEY_CONE) known[count++] = "beam_deg";
+    count += igi_light_place_keys(keys, known + count);
     if (keys & KEY_PROFILE) known[count++] = "profile";
     if (keys & KEY_IMAGE) known[count++] = "image";
     if (keys & (KEY_IMAGE | KEY_SKY)) known[count++] = "rotation_deg";
     for (size_t i = 0; keys & KEY_SKY && i < COUNT(sky_keys); i++) known[count++] = sky_keys[i];
     return igi_json_check_keys(ctx, at, known, count);
-}
-
-static igi_status read_vector(igi_context *ctx, const igi_json *at, const char *key,
-                              double vector[3])
-{
-    igi_json member = igi_json_member(at, key);
-    return igi_json_numbers(ctx, &member, 3, vector);
-}
-
-static igi_status read_direction(igi_context *ctx, const igi_json *at, double direction[3])
-{
-    IGI_TRY(read_vector(ctx, at, "direction", direction));
-    double length = sqrt(direction[0] * direction[0] + direction[1] * direction[1] +
-                         direction[2] * direction[2]);
-    igi_json member = igi_json_member(at, "direction");
-    if (!(length > 1e-9 && length < 1e100))
-        return igi_json_fail(ctx, &member,
-                             "has no length; give the way in which the light travels");
-    for (int k = 0; k < 3; k++) direction[k] /= length;
-    return IGI_OK;
-}
-
-/* How well the place is known: to be refined by the photographs. */
-static igi_status read_position_std(igi_context *ctx, const igi_json *at, igi_light *light)
-{
-    igi_json member = igi_json_member(at, "position_std");
-    double std;
-    if (!member.value) return IGI_OK;
-    IGI_TRY(igi_json_number(ctx, &member, &std));
-    if (!(std > 0 && std < 1e3))
-        return igi_json_fail(
-            ctx, &member,
-            "is %g; give a standard deviation in metres, or leave it out where the "
-            "place is known",
-            std);
-    for (int k = 0; k < 3; k++) light->position_std[k] = std;
-    return IGI_OK;
-}
-
-static igi_status read_cone(igi_context *ctx, const igi_json *at, igi_light *light)
-{
-    igi_json cutoff = igi_json_member(at, "cutoff_deg"), beam = igi_json_member(at, "beam_deg");
-    IGI_TRY(igi_json_number(ctx, &cutoff, &light->cutoff_deg));
-    if (!(light->cutoff_deg > 0 && light->cutoff_deg <= 180))
-        return igi_json_fail(ctx, &cutoff, "is %g; give a half angle above 0, up to 180 degrees",
-                             light->cutoff_deg);
-    light->beam_deg = light->cutoff_deg;
-    if (!beam.value) return IGI_OK;
-    IGI_TRY(igi_json_number(ctx, &beam, &light->beam_deg));
-    if (!(light->beam_deg >= 0 && light->beam_deg <= light->cutoff_deg))
-        return igi_json_fail(ctx, &beam, "is %g; give a half angle from 0 to cutoff_deg",
-                             light->beam_deg);
-    return IGI_OK;
 }
 
 static igi_status read_file(igi_context *ctx, const igi_json *at, const char *key, char **file)
@@ -230,17 +170,7 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
         IGI_TRY(igi_json_string(ctx, &region, &name));
         IGI_TRY(find_region(ctx, &region, name, scene, &light->region));
     }
-    if (keys & KEY_POSITION) IGI_TRY(read_vector(ctx, at, "position", light->position));
-    if (keys & KEY_FROM_TO) {
-        IGI_TRY(read_vector(ctx, at, "from", light->position));
-        IGI_TRY(read_vector(ctx, at, "to", light->end));
-        if (memcmp(light->position, light->end, sizeof light->end) == 0)
-            return igi_json_fail(ctx, at,
-                                 "\"from\" and \"to\" are one point; give the line's ends");
-    }
-    IGI_TRY(read_position_std(ctx, at, light));
-    if (keys & KEY_DIRECTION) IGI_TRY(read_direction(ctx, at, light->direction));
-    if (keys & KEY_CONE) IGI_TRY(read_cone(ctx, at, light));
+    IGI_TRY(igi_light_read_place(ctx, at, keys, light));
     if (keys & KEY_PROFILE) IGI_TRY(read_file(ctx, at, "profile", &light->file));
     if (keys & KEY_SKY) IGI_TRY(igi_sky_read(ctx, at, &light->sky));
     if (keys & KEY_IMAGE) IGI_TRY(read_file(ctx, at, "image", &light->file));
