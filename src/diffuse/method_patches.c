@@ -190,6 +190,7 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.direct));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, s.rows->count * s.bands, &s.irradiance));
     IGI_TRY_GOTO(igi_places_create(ctx, problem, s.rows, s.irradiance, &s.places));
+    if (igi_powers_are_wanted(problem)) igi_places_weigh_by_pixels(problem, s.rows, &s.places);
     diffuse->received = correction ? correction->received : NULL;
     fill_direct(&s);
     fill_seen(&s);

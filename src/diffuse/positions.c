@@ -101,6 +101,7 @@ static igi_status settle(igi_context *ctx, igi_positions *p, const igi_diffuse *
         igi_row_indirect(rows, i, diffuse->radiance, (int)p->bands, irradiance + i * p->bands);
     }
     IGI_TRY_GOTO(igi_places_create(ctx, p->problem, rows, irradiance, &places));
+    igi_places_weigh_by_pixels(p->problem, rows, &places);
     IGI_TRY_GOTO(igi_positions_fill_cells(ctx, p, diffuse, &places));
     for (int step = 0; step < MOST_STEPS; step++) {
         bool adapts = step >= equal_steps;

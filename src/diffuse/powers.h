@@ -20,6 +20,9 @@
 
 typedef struct igi_powers igi_powers;
 
+/* Is there a light whose value is solved? */
+bool igi_powers_are_wanted(const igi_problem *problem);
+
 /* *powers: NULL when every light's value is known. */
 IGI_MUST_USE igi_status igi_powers_create(igi_context *ctx, const igi_problem *problem,
                                           const igi_rows *rows, const igi_places *places,

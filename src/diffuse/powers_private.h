@@ -11,6 +11,7 @@
 #define IGI_ALL_BANDS (-1)
 /* Standard deviation of a guess, in the value's unit, which is the guess. */
 #define IGI_GUESS_STD 3.0
+#define IGI_FIRST_SCATTER 1e-4 /* of a region of which nothing is known yet */
 
 /* An unknown number: a light's value in a band, or, of lights whose bands stand in a given ratio
  * (a profile, a sky), in all of them. */
@@ -61,6 +62,9 @@ static inline double igi_power_gain(const igi_powers *p, size_t cell, size_t var
     if (!igi_power_in_band(v, band)) return 0;
     return v->unit * p->gain[(cell * p->columns + v->column) * p->bands + band];
 }
+
+/* Regions' scatter and cells' trust, from how the present values fit. */
+void igi_powers_weigh(igi_powers *p);
 
 /* Irradiance of a cell with the present values. */
 double igi_power_irradiance(const igi_powers *p, size_t cell, size_t band);

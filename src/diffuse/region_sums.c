@@ -17,6 +17,8 @@
 
 /* What is said of a region that nothing determines: anything in 0..1 may be true. */
 #define UNKNOWN_STD 0.3
+/* So many pixels of a place are as noisy as it is unlike its neighbours. */
+#define ENOUGH_PIXELS 8
 /* What the other regions say of neighbours, in cells of a region's own. */
 #define OTHERS_CELLS 8.0
 
@@ -46,6 +48,15 @@ igi_status igi_places_create(igi_context *ctx, const igi_problem *problem, const
 cleanup:
     if (status != IGI_OK) igi_places_clear(places);
     return status;
+}
+
+void igi_places_weigh_by_pixels(const igi_problem *problem, const igi_rows *rows,
+                                igi_places *places)
+{
+    for (size_t i = 0; i < places->count; i++) {
+        float pixels = (float)igi_problem_seen_count(problem, rows->side[i]);
+        places->weight[i] *= pixels / (pixels + ENOUGH_PIXELS);
+    }
 }
 
 void igi_places_clear(igi_places *places)

@@ -22,6 +22,10 @@ typedef struct igi_places {
 IGI_MUST_USE igi_status igi_places_create(igi_context *ctx, const igi_problem *problem,
                                           const igi_rows *rows, const float *irradiance,
                                           igi_places *places);
+/* Places of few pixels count less. What is fitted to differences between places (powers and places of
+ * lights) is as sure as they are; an area's mean, which a texture's albedo is, needs their areas. */
+void igi_places_weigh_by_pixels(const igi_problem *problem, const igi_rows *rows,
+                                igi_places *places);
 void igi_places_clear(igi_places *places);
 
 typedef struct igi_region_sums igi_region_sums;
