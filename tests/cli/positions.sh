@@ -76,6 +76,40 @@ expect 0 "" "$igi" recover -q room/moved.json --model lambert -o out -j 5
 cmp once/materials.json out/materials.json || fail "other threads, other places"
 expect 0 "" "$igi" relight out --cameras room/transforms.json --samples 1 -q -o relit
 
+# A floor that mirrors the lamps: where they stand is told by diffuse light alone, and the lobe by where they stand.
+python3 - <<'END'
+from lights import *
+spec = load("room.json")
+spec["materials"]["floor"] = {"albedo": [.35, .25, .15], "model": "ward", "specular": .08, "alpha": .12}
+spec["lights"][2] = {"type": "point", "position": [2.6, 3.2, 2.1], "intensity": [2, 2, 2.5]}
+save(spec, "glossy.json")
+END
+expect 0 "" "$igi" synth -q glossy.json -o glossy
+python3 - <<'END'
+from lights import *
+scene = load("glossy/scene.json")
+for light, off in zip(scene["lights"][1:], ([.03, -.03, .027], [-.02, .03, -.035])):
+    light["position"] = [x + d for x, d in zip(light["position"], off)]
+    light["position_std"] = .05
+del scene["lights"][2]["intensity"]
+save(scene, "glossy/moved.json")
+END
+expect 0 "" "$igi" recover -q glossy/moved.json -o out
+python3 - >problems 2>&1 <<'END'
+from lights import *
+truth, got = load("glossy/scene.json")["lights"], load("out/materials.json")
+for t, g in zip(truth[1:], got["lights"][1:]):
+    far = math.dist(t["position"], g["position"])
+    if not far < .01: print(f"over a glossy floor: {1000 * far} mm off")
+    for x, y, s in zip(t["position"], g["position"], g["position_std"]):
+        if not abs(x - y) < 3 * s or not s < .01: print(f"over a glossy floor: {y} +- {s}, not {x}")
+for x, y, s in zip(truth[2]["intensity"], got["lights"][2]["intensity"], got["lights"][2]["intensity_std"]):
+    if not abs(y - x) < min(3 * s, .03 * x): print(f"over a glossy floor: power {y} +- {s}, not {x}")
+floor = got["regions"]["floor"]
+if floor["model"] != "ward" or not abs(floor["specular"] - .08) < .004 or not abs(floor["alpha"] - .12) < .006: print(floor)
+END
+[ ! -s problems ] || fail "$(cat problems)"
+
 # Nobody asks: lights stay where they are.
 expect 0 "" "$igi" recover -q room/given.json --model lambert -o out
 grep -q position_std out/materials.json && fail "a light was moved that nobody asked for"
