@@ -140,6 +140,7 @@ igi_status observe_frame(igi_context *ctx, void *user, size_t frame, int worker)
     IGI_TRY_GOTO(igi_lamps_measure(ctx, j->scene, j->tracer, frame, image, &visible, &f->readings,
                                    &f->reading_count));
     f->deviation = (double)image->deviation;
+    igi_glow_measure(image, j->scene->bands, j->glow + frame * IGI_GLOW_CELLS);
     f->lit_gaps = igi_lit_gaps(j->scene, image, &visible);
     if (j->previews)
         IGI_TRY_GOTO(igi_image_reduce(ctx, image, j->preview_side, &j->previews[frame]));

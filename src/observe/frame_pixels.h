@@ -32,6 +32,7 @@ typedef struct observing {
     frame_pixels *frames;
     igi_registration *registrations;
     double *saturated, *mean;
+    float *glow;
     bool *scarce; /* [regions] */
     int preview_side;
     igi_image **previews; /* [frames]; NULL: none */

@@ -96,6 +96,24 @@ igi_status igi_observations_lift_common_veil(igi_context *ctx, const igi_scene *
     return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
 }
 
+igi_status igi_observations_tell_uneven_veil(igi_context *ctx, const igi_scene *scene,
+                                             const igi_glimpses *glimpses,
+                                             igi_observations *observations)
+{
+    igi_observations *o = observations;
+    char *sentence;
+    igi_glare g;
+    IGI_TRY(igi_glare_common(ctx, glimpses, scene->region_count, NULL, o->frame_count, &g));
+    if (!is_clear(&g, COMMON_SHARE)) return IGI_OK;
+    IGI_TRY(igi_strprintf(
+        ctx, &sentence,
+        "places are brighter in photographs that show something bright near them: %.1f %% of the "
+        "light strays around what is bright (glare, a soft lens, a dirty filter); it is not taken "
+        "off: shade the lens from the lamps, clean it, stop it down",
+        100 * g.share));
+    return igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence);
+}
+
 igi_status igi_observations_lift_own_veils(igi_context *ctx, const igi_scene *scene,
                                            const igi_glimpses *glimpses,
                                            igi_observations *observations, bool *lifted)

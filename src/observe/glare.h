@@ -17,7 +17,7 @@ typedef struct igi_glare {
 } igi_glare;
 
 /* What all photographs have, by how much more of it the brighter ones have; bright[frames]: M, of all
- * bands together. */
+ * bands together; NULL: what shines around each place in its picture. */
 IGI_MUST_USE igi_status igi_glare_common(igi_context *ctx, const igi_glimpses *glimpses,
                                          size_t regions, const double *bright, size_t frames,
                                          igi_glare *glare);
@@ -36,6 +36,10 @@ IGI_MUST_USE igi_status igi_observations_lift_own_veils(igi_context *ctx, const 
                                                         const igi_glimpses *glimpses,
                                                         igi_observations *observations,
                                                         bool *lifted);
+/* Light that strays unevenly is not subtracted, but said. */
+IGI_MUST_USE igi_status igi_observations_tell_uneven_veil(igi_context *ctx, const igi_scene *scene,
+                                                          const igi_glimpses *glimpses,
+                                                          igi_observations *observations);
 /* What a picture of a frame, of o->bands bands of `channels`, becomes by what was subtracted. */
 void igi_glare_lift_image(const igi_observations *o, size_t frame, igi_image *image);
 

@@ -15,7 +15,7 @@
 #define DARK 1e-3       /* of the mean brightness: below, a logarithm is noise */
 
 typedef struct tally {
-    double sum, squares;
+    double sum, squares, glow;
     uint32_t pixels;
 } tally;
 
@@ -111,8 +111,14 @@ static igi_status take_glimpses(igi_context *ctx, const job *j, size_t frame, si
                                 size_t last, tally *sums, size_t *capacity)
 {
     igi_glimpses *g = j->g;
+    const igi_camera *camera = &j->scene->frames[frame].camera;
+    const int size[2] = {camera->width, camera->height};
+    const float *glow = j->o->glow ? j->o->glow + frame * IGI_GLOW_CELLS : NULL;
     for (size_t k = first; k < last; k++) {
         double x = brightness(j->o, k * g->stride);
+        if (glow)
+            sums[g->place_of[k]].glow += (double)igi_glow_at(glow, size,
+                                                             j->o->pixel[k * g->stride]);
         sums[g->place_of[k]].sum += x;
         sums[g->place_of[k]].squares += x * x;
         sums[g->place_of[k]].pixels++;
@@ -128,7 +134,7 @@ static igi_status take_glimpses(igi_context *ctx, const job *j, size_t frame, si
         if (!grown) return IGI_E_SYSTEM;
         g->glimpses = grown;
         g->glimpses[g->count++] = (igi_glimpse){place, (uint32_t)frame, (float)log(floor),
-                                                (float)error};
+                                                (float)error, (float)(t.glow / t.pixels)};
     }
     return IGI_OK;
 }

@@ -12,6 +12,7 @@ typedef struct igi_glimpse {
     uint32_t place, frame;
     float value; /* ln of the mean brightness, */
     float error; /* and its standard error by the scatter of the pixels */
+    float glow;  /* around it in that picture; 0: not measured */
 } igi_glimpse;
 
 typedef struct igi_glimpses {

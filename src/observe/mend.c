@@ -157,6 +157,7 @@ static igi_status judge(igi_context *ctx, const igi_scene *scene, igi_observatio
     if (lifted) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
     IGI_TRY_GOTO(igi_observations_lift_own_veils(ctx, scene, &g, observations, &lifted));
     if (lifted) IGI_TRY_GOTO(look_again(ctx, scene, observations, &g));
+    IGI_TRY_GOTO(igi_observations_tell_uneven_veil(ctx, scene, &g, observations));
     IGI_TRY_GOTO(igi_agreement_create(ctx, scene, &g, agreement));
     IGI_TRY_GOTO(igi_faults_find(ctx, observations, *agreement, faults));
     if (waits) *waits = put_off(*faults);

@@ -134,6 +134,8 @@ static igi_status observe(igi_context *ctx, const igi_scene *scene, const igi_tr
     j.registrations = o->registrations;
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count, &o->veils));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count * (size_t)scene->bands, &o->mean));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, scene->frame_count * IGI_GLOW_CELLS, &o->glow));
+    j.glow = o->glow;
     j.saturated = o->saturated;
     j.mean = o->mean;
     for (size_t i = 0; i < scene->frame_count; i++) o->veils[i].kept = 1;
@@ -213,6 +215,7 @@ void igi_observations_destroy(igi_observations *observations)
     igi_free(observations->registrations);
     igi_free(observations->saturated);
     igi_free(observations->mean);
+    igi_free(observations->glow);
     igi_free(observations->veils);
     igi_free(observations->outlines);
     igi_free(observations->readings);

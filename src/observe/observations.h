@@ -6,6 +6,7 @@
 #define IGI_SRC_OBSERVE_OBSERVATIONS_H
 
 #include "observe/edges.h"
+#include "observe/glow.h"
 #include "observe/outlines.h"
 #include "observe/small_lamps.h"
 
@@ -41,7 +42,8 @@ typedef struct igi_observations {
     bool *scarce;        /* [regions] few clean pixels, or none but those near its edges */
     igi_registration *registrations; /* [frame_count] */
     double *mean;                    /* [frame_count][bands] of each whole picture */
-    igi_veil *veils;                 /* [frame_count] that were taken off */
+    float *glow;       /* [frame_count][IGI_GLOW_CELLS] of each picture; NULL: not measured */
+    igi_veil *veils;   /* [frame_count] that were taken off */
     double *saturated; /* [frame_count] share of its pixels that were left out as saturated */
     size_t outline_count;
     igi_outline *outlines; /* [outline_count] */

@@ -33,11 +33,16 @@ typedef struct voice {
 
 typedef struct session {
     size_t frames, regions, count; /* of voices */
-    const double *bright;          /* [frames] M */
+    const double *bright;          /* [frames] M; NULL: the glow around each place is its M */
     cell *cells;                   /* [regions][frames] */
     voice *voices;                 /* [regions] */
     double *scratch;
 } session;
+
+static double light_of(const session *s, const igi_glimpse *g)
+{
+    return s->bright ? s->bright[g->frame] : (double)g->glow;
+}
 
 static void add_place(session *s, const igi_glimpses *g, size_t place)
 {
@@ -46,12 +51,13 @@ static void add_place(session *s, const igi_glimpses *g, size_t place)
     if (n < 2) return;
     for (size_t i = begin; i < begin + n; i++) {
         b += exp((double)g->glimpses[i].value) / (double)n;
-        m += s->bright[g->glimpses[i].frame] / (double)n;
+        m += light_of(s, &g->glimpses[i]) / (double)n;
     }
     for (size_t i = begin; i < begin + n; i++) {
         size_t frame = g->glimpses[i].frame;
         cell *c = &s->cells[g->region[place] * s->frames + frame];
-        double x = (s->bright[frame] - m) / b, y = exp((double)g->glimpses[i].value) / b - 1;
+        double x = (light_of(s, &g->glimpses[i]) - m) / b,
+               y = exp((double)g->glimpses[i].value) / b - 1;
         c->xx += x * x;
         c->xy += x * y;
     }
