@@ -6,8 +6,6 @@
 #include "recover/once.h"
 #include "recover/target.h"
 
-#include <string.h>
-
 /* Patches are this share of the scene's diagonal: 1-2 % of the room's side (method of choice, by
  * the speed-accuracy chart). */
 #define PATCH_SHARE 0.0105f
@@ -23,33 +21,6 @@
 #define SHARPER 4
 /* Above so many times what was wanted, more photographs are not tried: all are read. */
 #define HOPELESS 3
-
-const char *igi_method_name(igi_method method)
-{
-    switch (method) {
-    case IGI_METHOD_PATCHES: return "patches";
-    case IGI_METHOD_GATHER: return "gather";
-    case IGI_METHOD_RADIOSITY: return "radiosity";
-    case IGI_METHOD_DIRECT: return "direct";
-    case IGI_METHOD_YU99: return "yu99";
-    }
-    return "unknown";
-}
-
-bool igi_method_from_name(const char *name, igi_method *method)
-{
-    for (int m = IGI_METHOD_PATCHES; m <= IGI_METHOD_YU99; m++)
-        if (strcmp(name, igi_method_name((igi_method)m)) == 0) {
-            *method = (igi_method)m;
-            return true;
-        }
-    return false;
-}
-
-void igi_recover_options_init(igi_recover_options *options)
-{
-    *options = (igi_recover_options){.struct_size = sizeof *options, .model = IGI_ANY_MODEL};
-}
 
 static double patch_for(const igi_tracer *tracer, double target_error)
 {
@@ -118,21 +89,4 @@ cleanup:
     igi_stage_begin(ctx, NULL);
     igi_tracer_destroy(tracer);
     return status;
-}
-
-void igi_recovery_destroy(igi_recovery *recovery)
-{
-    if (!recovery) return;
-    igi_materials_destroy(recovery->materials);
-    igi_free(recovery->evidence);
-    igi_free(recovery->read);
-    igi_registered_destroy(recovery->registered);
-    for (size_t i = 0; i < recovery->comparison_count; i++) {
-        igi_free(recovery->comparisons[i].frame);
-        igi_image_destroy(recovery->comparisons[i].photo);
-        igi_image_destroy(recovery->comparisons[i].prediction);
-        igi_image_destroy(recovery->comparisons[i].albedo);
-    }
-    igi_free(recovery->comparisons);
-    igi_free(recovery);
 }

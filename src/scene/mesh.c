@@ -163,7 +163,7 @@ static igi_status check_place(igi_mesh_builder *b, const igi_mesh *mesh)
         (double)size, (double)far, (double)box.low.x, (double)box.low.y, (double)box.low.z);
 }
 
-static igi_status finish(igi_mesh_builder *b, igi_scene *scene)
+static igi_status make_mesh(igi_mesh_builder *b, igi_scene *scene)
 {
     IGI_TRY(check_indices(b));
     IGI_TRY(drop_degenerate(b, scene));
@@ -195,7 +195,7 @@ igi_status igi_mesh_load(igi_context *ctx, igi_scene *scene, const char *path)
     } else {
         IGI_TRY_GOTO(igi_assimp_read(&builder));
     }
-    status = finish(&builder, scene);
+    status = make_mesh(&builder, scene);
 cleanup:
     igi_free(text.bytes);
     igi_mesh_builder_clear(&builder);
