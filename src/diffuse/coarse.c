@@ -305,6 +305,7 @@ igi_status igi_coarse_solve(igi_context *ctx, igi_coarse *coarse, const float *g
         IGI_TRY_GOTO(solve_unseen(ctx, c, &u, diffuse->albedo));
     }
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &places, diffuse));
+    igi_region_sums_share(c->problem, diffuse);
 cleanup:
     igi_region_sums_destroy(sums);
     unseen_clear(&u);

@@ -28,7 +28,7 @@
 
 #define DEFAULT_RAYS 64
 #define FEWEST_RAYS 8
-#define RAYS_TIMES_ERROR 0.11 /* what usually suffices */
+#define RAYS_TIMES_ERROR 0.16 /* what usually suffices */
 #define STUCK 0.9             /* of the stated error with half the rays: more would not help */
 #define SKY_POINTS 4
 #define MOST_RAYS 1024
@@ -199,6 +199,7 @@ igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
     for (int i = 0; i < MAX_SWEEPS; i++)
         if (sweep(&s, sums) < SETTLED) break;
     IGI_TRY_GOTO(igi_region_sums_std(ctx, sums, &s.places, diffuse));
+    igi_region_sums_share(problem, diffuse);
     IGI_TRY_GOTO(widen_by_guesses(ctx, &s, diffuse));
     IGI_TRY_GOTO(igi_powers_finish(ctx, s.powers, &s.places, diffuse));
     igi_positions_widen(problem->positions, problem, diffuse);

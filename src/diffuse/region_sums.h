@@ -43,6 +43,9 @@ double igi_region_sums_albedo(igi_region_sums *sums, const igi_places *places,
 IGI_MUST_USE igi_status igi_region_sums_std(igi_context *ctx, igi_region_sums *sums,
                                             const igi_places *places, igi_diffuse *diffuse);
 
+/* Adds to them what places of one region may share, beside its pattern. */
+void igi_region_sums_share(const igi_problem *problem, igi_diffuse *diffuse);
+
 /* All of it for methods that know the irradiance[rows][bands] of every seen row. */
 IGI_MUST_USE igi_status igi_albedo_of_rows(igi_context *ctx, const igi_problem *problem,
                                            const igi_rows *rows, const float *irradiance,

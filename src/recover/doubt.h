@@ -16,6 +16,16 @@ static inline igi_status igi_doubt_say(igi_context *ctx, igi_materials *m, char 
     return igi_add_sentence(ctx, &m->warnings, &m->warning_count, sentence);
 }
 
+/* What is sure of a number that should be 0 and is known to within `error`: scatter alone passes for no
+ * fault. */
+static inline double igi_doubt_sure(double x, double error)
+{
+    return sqrt(fmax(0, x * x - 4 * error * error));
+}
+
+/* Of one side of a region's mesh, m^2. */
+double igi_doubt_area(const igi_mesh *mesh, size_t region);
+
 /* Lamps that the photographs show with another radiance than is stated. *off: what may be small
  * errors of their values, the mean over the lamps' light. */
 IGI_MUST_USE igi_status igi_doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials *m,

@@ -126,7 +126,8 @@ static igi_status doubt_region(igi_context *ctx, const igi_region_residual *r, d
 static double misfit_of(const igi_region_residual *r, double usual, const igi_material *m)
 {
     if (m->model != IGI_LAMBERT) return 0;
-    return hypot(r->mean_error, SHINES * sqrt(fmax(0, r->differ * r->differ - usual * usual)));
+    double noise = usual * usual + r->by_chance * r->by_chance;
+    return hypot(r->mean_error, SHINES * sqrt(fmax(0, r->differ * r->differ - noise)));
 }
 
 /* By what is wrong with the region itself, by what all photographs may share, and by light that is
@@ -173,7 +174,8 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     double lamps = hypot(lamps_off, outlines_off);
     /* Of lamps it is common to all surfaces; of a surface it is its own, as bright as it is. */
     double response = p->observations->response_deviation;
-    double camera = hypot(hypot(drift, CORNER_MEAN * r->vignetting), response);
+    double corners = igi_doubt_sure(r->vignetting, r->vignetting_error);
+    double camera = hypot(hypot(drift, CORNER_MEAN * corners), response);
     double common = hypot(hypot(lamps, unexplained), camera);
     for (size_t i = 0; i < m->count; i++) {
         igi_material *region = &m->materials[i];

@@ -12,12 +12,11 @@
 #define OUTLINE 0.01   /* of a lamp's area */
 #define OUTLINE_SIGMAS 4.0
 
-/* The front of a lamp's mesh, m^2. */
-static double area_of(const igi_mesh *mesh, int region)
+double igi_doubt_area(const igi_mesh *mesh, size_t region)
 {
     double area = 0;
     for (uint32_t t = 0; t < mesh->triangle_count; t++)
-        if ((int)mesh->regions[t] == region) area += (double)igi_triangle_area(mesh, t);
+        if (mesh->regions[t] == region) area += (double)igi_triangle_area(mesh, t);
     return area;
 }
 
@@ -57,7 +56,7 @@ igi_status igi_doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials
         for (int b = 0; b < p->bands; b++) stated += light->value[b] / p->bands;
         if (seen.pixels < FEWEST_LAMP_PIXELS || !(stated > 0)) continue;
         double wrong = fabs(seen.mean / stated - 1),
-               power = stated * area_of(&p->scene->mesh, light->region);
+               power = stated * igi_doubt_area(&p->scene->mesh, (size_t)light->region);
         all += power;
         if (wrong < LAMP_WRONG) sum += power * wrong;
         if (!(wrong > fmax(LAMP_OFF, LAMP_SIGMAS * seen.error / stated))) continue;
@@ -80,14 +79,14 @@ igi_status igi_doubt_outlines(igi_context *ctx, const igi_problem *p, igi_materi
     for (size_t k = 0; k < p->light_count; k++) {
         const igi_light *light = &p->lights[k];
         if (light->type != IGI_LIGHT_AREA) continue;
-        double power = 0, area = area_of(&p->scene->mesh, light->region);
+        double power = 0, area = igi_doubt_area(&p->scene->mesh, (size_t)light->region);
         for (int b = 0; b < p->bands; b++) power += light->value[b] * area;
         all += power;
         igi_lamp_size size = igi_outlines_sum(o->outlines, o->outline_count,
                                               (uint32_t)light->region);
         double wrong = fabs(size.ratio - 1);
         if (!isfinite(size.error)) continue;
-        if (wrong < LAMP_WRONG) sum += power * wrong;
+        if (wrong < LAMP_WRONG) sum += power * igi_doubt_sure(wrong, size.error);
         if (!(wrong > fmax(OUTLINE, OUTLINE_SIGMAS * size.error))) continue;
         char *sentence;
         IGI_TRY(igi_strprintf(ctx, &sentence,

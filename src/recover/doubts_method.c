@@ -11,12 +11,9 @@
 /* Share of the surface that belongs to regions which nothing determines; the largest of them. */
 static double guessed_share(const igi_problem *p, const igi_materials *m, size_t *largest)
 {
-    const igi_mesh *mesh = &p->scene->mesh;
     double all = 0, guessed = 0, most = 0;
     for (size_t r = 0; r < m->count; r++) {
-        double area = 0;
-        for (uint32_t t = 0; t < mesh->triangle_count; t++)
-            if (mesh->regions[t] == r) area += (double)igi_triangle_area(mesh, t);
+        double area = igi_doubt_area(&p->scene->mesh, r);
         all += area;
         if (m->materials[r].determined || m->materials[r].emitter) continue;
         guessed += area;

@@ -235,8 +235,8 @@ igi_status igi_doubt_missing(igi_context *ctx, const igi_light_shares *s, igi_ma
     if (found.sigmas > SURE && found.intensity > SURE_REGIONS * error &&
         found.intensity * share > WORTH_A_WORD)
         IGI_TRY_GOTO(say(ctx, &found, hypot(error, found.error), found.intensity * share, m));
-    widen(&q, sqrt(fmax(0, found.intensity * found.intensity - error * error - chance * chance)),
-          share, off);
+    double sure = igi_doubt_sure(found.intensity, error);
+    widen(&q, sqrt(fmax(0, sure * sure - chance * chance)), share, off);
 cleanup:
     igi_free(q.regions);
     return status;

@@ -1,8 +1,13 @@
-/* SPDX-License-Identifier: Apache-2.0 */
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The stated power of a light that no photograph shows, against what surfaces say of it. Where they say
+ * nothing, it is believed as far as powers can be known, and albedos are open by as much.
+ */
 #include "recover/doubt.h"
 
 #define OFF 0.04
 #define OFF_SIGMAS 4.0
+#define STATED 0.01 /* nobody states a power better */
 
 static igi_status say(igi_context *ctx, const igi_light_shares *s, size_t k, igi_materials *m)
 {
@@ -28,8 +33,10 @@ igi_status igi_doubt_powers(igi_context *ctx, const igi_light_shares *s, igi_mat
             !p->scene->lights[p->light_of[s->lights[k]]].known)
             continue;
         IGI_TRY(say(ctx, s, k, m));
-        double sure = sqrt(fmax(0, s->scales[k] * s->scales[k] - s->errors[k] * s->errors[k]));
-        for (size_t r = 0; r < s->regions; r++) off[r] = hypot(off[r], sure * s->shares[r][k]);
+        double scale = s->scales[k], error = s->errors[k];
+        double open = error * STATED / hypot(error, STATED);
+        double wrong = sqrt(fmax(0, scale * scale - error * error) + open * open);
+        for (size_t r = 0; r < s->regions; r++) off[r] = hypot(off[r], wrong * s->shares[r][k]);
     }
     return IGI_OK;
 }

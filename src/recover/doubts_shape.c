@@ -65,6 +65,19 @@ static igi_status say(igi_context *ctx, double px, double delta, igi_materials *
     return igi_doubt_say(ctx, m, sentence);
 }
 
+/* Each corner of a lamp is off by `delta` in its own direction: the area of a square of side a by
+ * sqrt(2) delta / a, and its light with it. */
+static void widen_by_lamps(const igi_light_shares *s, double delta, double *off)
+{
+    for (size_t k = 0; k < s->light_count; k++) {
+        const igi_light *light = &s->p->lights[s->lights[k]];
+        if (light->type != IGI_LIGHT_AREA) continue;
+        double area = igi_doubt_area(&s->p->scene->mesh, (size_t)light->region);
+        double wrong = delta * sqrt(2 / fmax(area, delta * delta));
+        for (size_t r = 0; r < s->regions; r++) off[r] = hypot(off[r], wrong * s->shares[r][k]);
+    }
+}
+
 /* All of a region moves at once. */
 igi_status igi_doubt_shape(igi_context *ctx, const igi_light_shares *s, igi_materials *m,
                            double *off)
@@ -72,6 +85,7 @@ igi_status igi_doubt_shape(igi_context *ctx, const igi_light_shares *s, igi_mate
     double px = edges_off(s->p->observations), delta = px * pixel_m(s) / FOUND;
     if (!(delta > 0)) return IGI_OK;
     if (px > WORTH_PX) IGI_TRY(say(ctx, px, delta, m));
+    widen_by_lamps(s, delta, off);
     for (size_t r = 0; r < s->regions; r++) {
         double change = 0, n = 0;
         size_t step = (size_t)(s->sides[r] / LOOKED_AT) + 1, seen = 0;

@@ -13,8 +13,6 @@
 /* Patches grow with the root of a target above this, up to so many times their size. */
 #define FINE_ERROR 0.00125
 #define COARSEST 2.0
-/* Of a target: what patches so large miss is not in the stated error. */
-#define AIM 0.7
 /* Photographs are chosen so many times, each with so many times the pixels, before all are read:
  * where surfaces shine, more photographs do not lower the error that is stated without lobes. */
 #define ATTEMPTS 2
@@ -42,12 +40,10 @@ static igi_status note_choice(igi_context *ctx, const igi_scene *scene, igi_choi
 /* From as few photographs as the target seems to need; from more where the result's own error bars
  * disagree, or what was chosen does not suffice. *recovery stays NULL where all are needed. */
 static igi_status recover_from_few(igi_context *ctx, const igi_scene *scene,
-                                   const igi_tracer *tracer, const igi_recover_options *options,
+                                   const igi_tracer *tracer, const igi_recover_options *o,
                                    igi_recovery **recovery)
 {
-    igi_recover_options coarse = *options, *o = &coarse;
     igi_need need = {o->target_error, 1, o->model != IGI_LAMBERT};
-    o->target_error *= AIM;
     igi_aim wanted = {.limit = o->target_error};
     for (int attempt = 0; attempt < ATTEMPTS; attempt++, need.sharpness *= SHARPER) {
         igi_choice *choice;

@@ -7,7 +7,9 @@
 
 #include <math.h>
 
-#define MIRRORED 0.02 /* what is mirrored is known no better (scripts/random_rooms) */
+#define MIRRORED 0.01 /* what is mirrored is known no better (scripts/random_rooms) */
+#define SHARP 0.03    /* a sharper lobe's light falls on few places, */
+#define SHOWN 2.0     /* whose residuals show its error but for so many times */
 
 static bool any_lobe(const igi_specular *s, size_t regions)
 {
@@ -56,8 +58,17 @@ cleanup:
     return status;
 }
 
-/* Adds to the standard deviations of albedos what is not known of lobes: theirs where one was found
- * (alpha moves a lobe's light about, rho_s says how much it is), the doubt elsewhere. */
+/* Of an albedo whose residuals say `std`, what a lobe that was found leaves open with its share of the light
+ * in a band: alpha moves its light about, rho_s says how much it is. */
+static double lobe_std(const igi_lobe_estimate *e, int band, double share, double std)
+{
+    double known = igi_lobe_coefficient_std(e, band) / igi_lobe_coefficient(e, band);
+    double off = share * fmin(1, hypot(known, MIRRORED));
+    return e->alpha < SHARP ? fmin(off, SHOWN * std) : off;
+}
+
+/* Adds to the standard deviations of albedos what is not known of lobes: theirs where one was found, the
+ * doubt elsewhere. Sides count as they do in the albedo. */
 static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diffuse *d,
                                 const igi_specular *s)
 {
@@ -70,7 +81,7 @@ static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diff
         uint32_t side = d->rows->side[i];
         size_t r = igi_patch_region(p->patches, side >> 1);
         float direct[IGI_MAX_BANDS], indirect[IGI_MAX_BANDS];
-        double area = (double)p->patches->area[side >> 1];
+        double area = (double)p->patches->area[side >> 1] * (double)s->correction.trust[side];
         igi_row_direct(d->rows, i, p->lights, p->bands, direct);
         igi_row_indirect(d->rows, i, d->radiance, p->bands, indirect);
         for (size_t b = 0; b < bands && igi_problem_seen_count(p, side) > 0; b++) {
@@ -82,14 +93,9 @@ static igi_status widen_albedos(igi_context *ctx, const igi_problem *p, igi_diff
         const igi_lobe_estimate *e = &s->estimates[r];
         double *std = d->albedo_std[r];
         bool found = s->lobes[r].model != IGI_LAMBERT && e->specular > 0;
-        for (size_t b = 0; b < bands && received[r][b] > 0; b++) {
-            double known = found ? hypot(igi_lobe_coefficient_std(e, (int)b) /
-                                             igi_lobe_coefficient(e, (int)b),
-                                         MIRRORED)
-                                 : 0;
-            std[b] = hypot(std[b], found ? lobe[r][b] / received[r][b] * fmin(1, known)
+        for (size_t b = 0; b < bands && received[r][b] > 0; b++)
+            std[b] = hypot(std[b], found ? lobe_std(e, (int)b, lobe[r][b] / received[r][b], std[b])
                                          : s->doubts[r].share[b] * d->albedo[r][b]);
-        }
     }
 cleanup:
     igi_free(lobe);
