@@ -9,6 +9,10 @@
  * Ownership: whoever calls ..._create or ..._load owns the result and calls ..._destroy;
  * ..._destroy(NULL) does nothing. Getters return views that live as long as their owner.
  *
+ * Options: ..._options_init sets struct_size and every default, and comes first; NULL for options is
+ * all defaults where a function says so. ..._name is a value's word, never NULL; ..._from_name finds
+ * the value again and is false, *value untouched, where no value has that word.
+ *
  * Threads: one context is used by one thread at a time; the library's own workers are inside it.
  */
 #ifndef IGI_BASE_H
