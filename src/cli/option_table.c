@@ -79,8 +79,11 @@ const cli_option cli_options[] = {
      "cameras moved first until the photographs' edges lie on the mesh's; auto: where they are "
      "clearly off"},
     {"target-error", 0, REAL, CLI_RECOVER, AT(target_error), "E", "0", 0, 1,
-     "relative error of albedo to aim at, a fraction: as few photographs, pixels and rays as do; "
-     "where lobes leave more open, a warning says so; 0: as it comes"},
+     "relative error of albedo to aim at, a fraction: as few photographs, pixels and rays as do, "
+     "maps from "
+     "as few pixels, one photograph compared; where lobes leave more open, a warning says so; 0: "
+     "as it "
+     "comes"},
     {"target-error", 0, REAL, CLI_RELIGHT, AT(target_error), "E", "0", 0, 1,
      "noise of a pixel to aim at, a fraction of the mean pixel; 0: as it comes"},
     {"time-budget", 0, REAL, CLI_RECOVER, AT(time_budget), "SECONDS", "0", 0, MANY,

@@ -30,6 +30,7 @@
 #define FEWEST_RAYS 8
 #define RAYS_TIMES_ERROR 0.16 /* what usually suffices */
 #define STUCK 0.9             /* of the stated error with half the rays: more would not help */
+#define HOPELESS 10 /* so many times the target after the first rays: it is not for want of rays */
 #define SKY_POINTS 4
 #define MOST_RAYS 1024
 #define REGION_FOLD 256  /* rays of a small region's rows together, in units of one row's */
@@ -257,6 +258,11 @@ static int first_rays(double target_error)
     return rays;
 }
 
+int igi_patches_rays(double target_error)
+{
+    return 2 * first_rays(target_error);
+}
+
 /* Without a target or a budget: once, with the default rays. With them: rays are doubled from few
  * until the stated error is below the target, or no longer falls, or the next doubling would not
  * fit into the budget. */
@@ -271,8 +277,8 @@ igi_status igi_method_patches(igi_context *ctx, const igi_problem *problem, igi_
         if (!adapts || 2 * rays > MOST_RAYS) return IGI_OK;
         last = error;
         error = igi_stated_error(problem, diffuse);
-        if (o->target_error > 0 && (error <= o->target_error || error > STUCK * last))
-            return IGI_OK;
+        bool stuck = error > STUCK * last || error > HOPELESS * o->target_error;
+        if (o->target_error > 0 && (error <= o->target_error || stuck)) return IGI_OK;
         double next = 2 * (igi_cpu_seconds() - before);
         if (o->time_budget_s > 0 && igi_cpu_seconds() + next > o->time_budget_s) return IGI_OK;
     }

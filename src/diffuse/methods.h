@@ -25,6 +25,10 @@ IGI_MUST_USE igi_status igi_method_direct(igi_context *ctx, const igi_problem *p
 IGI_MUST_USE igi_status igi_patches_solve(igi_context *ctx, const igi_problem *problem,
                                           const igi_correction *correction, igi_diffuse *diffuse);
 
+/* The rays at which the patches method stops doubling for a target when they do not lower the stated
+ * error. */
+int igi_patches_rays(double target_error);
+
 /* Mean over the determined regions of the albedo's relative standard deviation, as it stands. */
 double igi_stated_error(const igi_problem *problem, const igi_diffuse *diffuse);
 

@@ -109,8 +109,8 @@ igi_status igi_compare(igi_context *ctx, const igi_problem *problem, const igi_f
                        const igi_layout *layout, igi_recovery *recovery)
 {
     size_t frames = problem->scene->frame_count;
-    bool coarse = frames > 0 && problem->scene->frames[0].taken; /* in a hurry: one will do */
-    size_t most = coarse ? 1 : PHOTOGRAPHS, count = frames < most ? frames : most;
+    size_t most = problem->options->target_error > 0 ? 1 : PHOTOGRAPHS; /* in a hurry one will do */
+    size_t count = frames < most ? frames : most;
     IGI_TRY(IGI_ALLOC(ctx, count, &recovery->comparisons));
     recovery->comparison_count = count;
     job j = {problem, field, layout, recovery, NULL};

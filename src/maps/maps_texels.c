@@ -10,6 +10,7 @@
  */
 #include "maps/maps_private.h"
 
+#include "specular/effort.h"
 #include "specular/lobe_view.h"
 #include "scene/camera.h"
 
@@ -26,6 +27,7 @@
 #define LAMP_ERROR 0.1f
 #define SURFACE_ERROR 0.3f
 /* Pixels of a region are kept for sharpening up to this; of more, there are many in each texel. */
+#define MOST_STRIDE 4 /* where an error is asked for that needs no more */
 #define KEPT_BYTES ((size_t)48 << 20)
 
 igi_status igi_texels_create(igi_context *ctx, int size, int bands, bool wraps, igi_texels *texels)
@@ -148,14 +150,22 @@ static float without_lobe(const igi_problem *problem, size_t observation, size_t
     return PIXEL_NOISE * PIXEL_NOISE / (noise * noise + *error * *error);
 }
 
+/* Of so many pixels one will do for the error that was asked for. */
+static size_t one_of(const igi_recover_options *options)
+{
+    double stride = floor(1 / igi_lobe_effort(options));
+    return stride < MOST_STRIDE ? (size_t)stride : MOST_STRIDE;
+}
+
 static void add_pixels_of_side(igi_texels *texels, const igi_problem *problem,
                                const igi_field *field, const igi_layout *layout, uint32_t side)
 {
     const igi_observations *o = problem->observations;
     float std = igi_field_std(field, side), texel = 0;
     uint32_t triangle = IGI_NO_HIT;
-    size_t frame = 0;
-    for (size_t n = problem->site_begin[side]; n < problem->site_begin[side + 1]; n++) {
+    size_t frame = 0, stride = one_of(problem->options);
+    size_t first = problem->site_begin[side] + side % stride;
+    for (size_t n = first; n < problem->site_begin[side + 1]; n += stride) {
         size_t i = problem->order[n];
         float u = o->uv[2 * i], v = o->uv[2 * i + 1], x, y, irradiance[IGI_MAX_BANDS];
         while (i >= o->frame_begin[frame + 1]) frame++;

@@ -72,6 +72,13 @@ IGI_MUST_USE igi_status igi_observe_with_previews(igi_context *ctx, const igi_sc
 size_t igi_observation_at(const igi_observations *observations, size_t frame, uint32_t pixel);
 /* The frame of an observation. */
 size_t igi_observation_frame(const igi_observations *observations, size_t observation);
+/* The same, when that of one nearby is known. */
+static inline size_t igi_observation_frame_near(const igi_observations *o, size_t observation,
+                                                size_t frame)
+{
+    bool same = observation >= o->frame_begin[frame] && observation < o->frame_begin[frame + 1];
+    return same ? frame : igi_observation_frame(o, observation);
+}
 
 void igi_observations_destroy(igi_observations *observations);
 

@@ -2,6 +2,7 @@
  *
  * From all photographs, or from as few as the target error asks for.
  */
+#include "diffuse/methods.h"
 #include "recover/choice.h"
 #include "recover/once.h"
 #include "recover/target.h"
@@ -41,7 +42,7 @@ static igi_status note_choice(igi_context *ctx, const igi_scene *scene, igi_choi
  * disagree, or what was chosen does not suffice. *recovery stays NULL where all are needed. */
 static igi_status recover_from_few(igi_context *ctx, const igi_scene *scene,
                                    const igi_tracer *tracer, const igi_recover_options *o,
-                                   igi_recovery **recovery)
+                                   bool *shines, igi_recovery **recovery)
 {
     igi_need need = {o->target_error, 1, o->model != IGI_LAMBERT};
     igi_aim wanted = {.limit = o->target_error};
@@ -59,7 +60,10 @@ static igi_status recover_from_few(igi_context *ctx, const igi_scene *scene,
         if (r && status == IGI_OK) *recovery = r;
         else igi_recovery_destroy(r);
         if (all || r || (status != IGI_OK && !failed)) return status;
-        if (!failed && wanted.stated > HOPELESS * wanted.limit) break; /* it shines */
+        if (!failed && wanted.stated > HOPELESS * wanted.limit) { /* it shines */
+            *shines = true;
+            break;
+        }
     }
     return IGI_OK;
 }
@@ -76,9 +80,11 @@ igi_status igi_recover(igi_context *ctx, const igi_scene *scene, const igi_recov
     igi_stage_begin(ctx, "observe");
     IGI_TRY_GOTO(igi_tracer_create(ctx, &scene->mesh, &tracer));
     igi_aim all = {.limit = HUGE_VAL};
+    bool shines = false;
     if (!(o.patch_m > 0)) o.patch_m = patch_for(tracer, o.target_error);
     if (o.method == IGI_METHOD_PATCHES && o.target_error > 0)
-        IGI_TRY_GOTO(recover_from_few(ctx, scene, tracer, &o, recovery));
+        IGI_TRY_GOTO(recover_from_few(ctx, scene, tracer, &o, &shines, recovery));
+    if (shines && o.rays == 0) o.rays = igi_patches_rays(o.target_error);
     if (!*recovery) IGI_TRY_GOTO(igi_recover_once(ctx, scene, tracer, &o, &all, recovery));
     IGI_TRY_GOTO(igi_target_judge(ctx, o.target_error, (*recovery)->materials));
 cleanup:

@@ -159,12 +159,13 @@ igi_status igi_correction_find(igi_context *ctx, const igi_radiance_field *field
 /* The photographs that show each side; frames NULL: counts them only. */
 static void list_views(const igi_problem *p, size_t *begin, uint32_t *frames)
 {
-    size_t views = 0, sides = 2 * p->patches->count;
+    size_t views = 0, sides = 2 * p->patches->count, at = 0;
     for (size_t side = 0; side < sides; side++) {
         uint32_t last = UINT32_MAX;
         begin[side] = views;
         for (size_t k = p->site_begin[side]; k < p->site_begin[side + 1]; k++) {
-            uint32_t frame = (uint32_t)igi_observation_frame(p->observations, p->order[k]);
+            at = igi_observation_frame_near(p->observations, p->order[k], at);
+            uint32_t frame = (uint32_t)at;
             if (frame == last || views - begin[side] == IGI_SIDE_VIEWS) continue;
             last = frame;
             if (frames) frames[views] = frame;

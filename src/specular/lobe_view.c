@@ -11,6 +11,7 @@
 #define GLANCE_SAMPLES 4
 #define GLANCE_WIDTH 1.5f
 #define GLANCE_SHARE 1e-4f
+#define CERTAIN 10 /* times that needs no look */
 
 /* A place that a lobe is seen at. */
 typedef struct lobe_place {
@@ -81,24 +82,32 @@ static void add_lamp(const lobe_place *at, size_t light, float alpha, size_t cou
     }
 }
 
-/* No direction to the lamp has more of a Ward lobe than this, times its cosine and solid angle: the
- * lobe at that end of the ball about the lamp which is nearest to the mirror direction, each of its
- * coordinates by itself. */
-static float most_of_lamp(const lobe_place *at, size_t light, float alpha)
+/* How much of a Ward lobe a lamp may send, for a coefficient and a radiance of 1. */
+typedef struct lobe_reach {
+    float most; /* where each coordinate by itself is as near to the mirror direction as the lamp's
+                     ball comes */
+    float middle; /* if all of the ball were in its middle's direction */
+} lobe_reach;
+
+static lobe_reach reach_of(const lobe_place *at, size_t light, float alpha)
 {
     igi_vec middle;
     float radius = igi_light_ball(at->problem->lighting, light, &middle);
     igi_vec to = igi_sub(middle, at->point);
-    float squared = igi_dot(to, to), reach2 = squared - radius * radius;
-    if (!(reach2 > radius * radius)) return HUGE_VALF;
-    /* of unit vectors: twice the sine of half the ball's angle is below this */
-    float off = radius / sqrtf(reach2);
+    float squared = igi_dot(to, to), outside = squared - radius * radius, a2 = alpha * alpha;
+    if (!(outside > radius * radius)) return (lobe_reach){HUGE_VALF, 0};
+    /* twice the sine of half the ball's angle is below this: so far do unit vectors differ */
+    float off = radius / sqrtf(outside);
     igi_vec in = igi_to_local(igi_scale(to, 1 / sqrtf(squared)), at->normal);
-    float in_z = in.z + off, z = in_z + at->out.z;
-    if (!(in_z > 0)) return 0;
-    float across = fmaxf(0, hypotf(in.x + at->out.x, in.y + at->out.y) - off);
-    float exponent = across * across / (z * z * alpha * alpha);
-    return expf(-exponent) / (4 * alpha * alpha) * sqrtf(in_z / at->out.z) * off * off;
+    float in_z = in.z + off, z = in_z + at->out.z, unit = off * off / (4 * a2);
+    if (!(in_z > 0)) return (lobe_reach){0, 0};
+    float across = hypotf(in.x + at->out.x, in.y + at->out.y), nearest = fmaxf(0, across - off);
+    lobe_reach r = {unit * sqrtf(in_z / at->out.z) * expf(-nearest * nearest / (z * z * a2)), 0};
+    if (in.z > 0) {
+        z = in.z + at->out.z;
+        r.middle = unit * sqrtf(in.z / at->out.z) * expf(-across * across / (z * z * a2));
+    }
+    return r;
 }
 
 /* Is the lamp mirrored somewhere else, far from here? */
@@ -106,14 +115,17 @@ static bool is_elsewhere(const lobe_place *at, size_t light, uint32_t side)
 {
     const igi_problem *p = at->problem;
     const float *seen = p->seen + (size_t)side * (size_t)p->bands;
-    float glance[IGI_MAX_BANDS] = {0}, found = 0, all = 0, most = 0;
+    float glance[IGI_MAX_BANDS] = {0}, found = 0, all = 0, bright = 0;
     float alpha = fminf(1, GLANCE_WIDTH * at->lobe->alpha);
     for (int b = 0; b < p->bands; b++) {
         all += seen[b];
-        most += at->lobe->specular[b] * (float)p->lights[light].value[b];
+        bright += at->lobe->specular[b] * (float)p->lights[light].value[b];
     }
-    if (at->lobe->model == IGI_WARD && most * most_of_lamp(at, light, alpha) < GLANCE_SHARE * all)
-        return true;
+    if (at->lobe->model == IGI_WARD) {
+        lobe_reach reach = reach_of(at, light, alpha);
+        if (bright * reach.most < GLANCE_SHARE * all) return true;
+        if (bright * reach.middle > CERTAIN * GLANCE_SHARE * all) return false;
+    }
     add_lamp(at, light, alpha, GLANCE_SAMPLES, 1, glance);
     for (int b = 0; b < p->bands; b++) found += glance[b];
     return found < GLANCE_SHARE * all;

@@ -44,10 +44,10 @@ typedef struct side_views {
 static void find_views(side_views *s, const igi_correction *c)
 {
     const igi_problem *p = s->problem;
-    size_t first = c->view_begin[s->side], at = 0;
+    size_t first = c->view_begin[s->side], at = 0, frame = 0;
     s->count = c->view_begin[s->side + 1] - first;
     for (size_t k = p->site_begin[s->side]; k < p->site_begin[s->side + 1]; k++) {
-        size_t frame = igi_observation_frame(p->observations, p->order[k]);
+        frame = igi_observation_frame_near(p->observations, p->order[k], frame);
         while (at + 1 < s->count && c->view_frame[first + at] < frame) at++;
         view *v = &s->views[at];
         if (v->end == 0) *v = (view){.begin = k};
