@@ -285,12 +285,13 @@ static void put_key(FILE *script, const peer_curves *peers)
     }
     if (peers->count > 0)
         fprintf(script,
-                "set label 'black: a peer; from then on its error stays below' "
+                "set label 'black: the peer; from there on its error stays below the line' "
                 "at graph 0,%.2f textcolor lt 8\n",
                 y);
     if (peers->count > 0) y -= .1;
     fprintf(script,
-            "set label 'broad grey line: the front' at graph 0,%.2f textcolor rgb '#808080'\n"
+            "set label 'broad grey: the front; nothing as quick is more accurate' at graph 0,%.2f "
+            "textcolor rgb '#808080'\n"
             "unset border\nunset grid\nset tics scale 0\nset format ''\nunset logscale\n"
             "plot [0:1][0:1] NaN\n"
             "set border 3\nset grid ls 100\nset tics scale .5\nset format '%%g'\n"
