@@ -142,6 +142,7 @@ static void sample_lobes(pixel_sets *s, igi_rng *rng)
             igi_lighting_add_emitted(p->lighting, direction, &hit, light);
             d->weight = d->in.z / (density + around_density(j, direction));
         } else {
+            d->patches = hit.distance / p->patches->size_m;
             s->rays += (uint64_t)igi_radiance_toward(j->source->field, at.point, direction, &hit,
                                                      rng, light);
         }

@@ -23,6 +23,7 @@ typedef struct igi_direction_sample {
     igi_vec in, out; /* unit, in the frame of the surface */
     float weight;    /* cos(in) over the density of the whole set; 0: carries nothing */
     int around;      /* 1 or 2, by half of its set: what it carries comes from around the scene */
+    float patches;   /* distance to the surface that it meets, in sides of a patch; 0: meets none */
 } igi_direction_sample;
 
 typedef struct igi_highlights {

@@ -21,7 +21,7 @@ static void project(const igi_profile *f, const igi_profile_column *c, size_t b,
         double along = g[0] > 0 ? (double)f->h->irradiance[k] / IGI_PI * g[2] / g[0] : 0;
         if (c->base) y -= (double)c->base[at];
         *ys += w * (s - along) * y;
-        *ss += w * ((s - along) * s - (c->noise ? (double)c->noise[at] : 0));
+        *ss += w * ((s - along) * s - (c->noise ? (double)(f->bias[k] * c->noise[at]) : 0));
     }
 }
 

@@ -33,9 +33,10 @@ typedef struct igi_lobe_estimate {
     double alpha, alpha_std;
     double noise_std; /* of specular, were independent noise all that there is */
     double
-        lamp_share;  /* how much of what is known of specular comes from lamps' highlights, 0..1 */
-    bool at_bound;   /* alpha ran into the upper end of what is looked for */
-    double deviance; /* -2 ln likelihood with the lobe, */
+        lamp_share; /* how much of what is known of specular comes from lamps' highlights, 0..1, */
+    double alpha_lamp_share;      /* and of alpha */
+    bool at_bound;                /* alpha ran into the upper end of what is looked for */
+    double deviance;              /* -2 ln likelihood with the lobe, */
     double plain_deviance;        /* and without: both with the noise that fits them */
     double residuals;             /* how many residuals there were */
     double noise;                 /* relative standard deviation of a residual with the lobe, */

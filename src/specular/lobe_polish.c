@@ -100,7 +100,7 @@ static bool group_residuals(void *user, size_t group, const double *parameters, 
     return true;
 }
 
-/* The variance of S in all, sum w noise, and its derivative. */
+/* The variance of S in all as far as it biases rho_s, sum w bias noise, and its derivative. */
 static mixture noise_of(const polish *p, double log_alpha)
 {
     double weights[FINE], slopes[FINE];
@@ -109,7 +109,8 @@ static mixture noise_of(const polish *p, double log_alpha)
     for (size_t i = 0; i < p->f->n; i++)
         for (size_t b = 0; b < p->f->bands; b++) {
             mixture m = mix(p, p->t->noise, i, b, weights, slopes);
-            double w = (double)p->f->weight[i * p->f->bands + b];
+            double w = (double)p->f->weight[i * p->f->bands + b] *
+                       (double)p->f->bias[i * p->f->bands + b];
             sum.value += w * m.value;
             sum.slope += w * m.slope;
         }
@@ -130,6 +131,29 @@ static void take_out_bias(const polish *p, const double *covariance, double vari
     if (!(h00 > 0) || !(det > 0)) return;
     x[0] += (h11 * g0 - h01 * g1) / det;
     x[1] += fmax(-0.2, fmin(0.2, (h00 * g1 - h01 * g0) / det));
+}
+
+/* Products of dS/d ln alpha after elimination of the albedos: of lamps alone, over the whole. */
+static double lamp_share_of_alpha(const polish *p, double log_alpha)
+{
+    const igi_profile *f = p->f;
+    const float *tables[2] = {p->t->lamps, p->t->scale};
+    double weights[FINE], slopes[FINE], products[2] = {0, 0};
+    lagrange(p, log_alpha, weights, slopes);
+    for (size_t g = 0; g < f->h->groups; g++)
+        for (size_t b = 0; b < 2 * f->bands; b++) {
+            double ee = 0, de = 0, dd = 0;
+            for (size_t i = p->begin[g]; i < p->begin[g + 1]; i++) {
+                size_t k = i * f->bands + b / 2;
+                double d = mix(p, tables[b & 1], i, b / 2, weights, slopes).slope;
+                double w = (double)f->weight[k], e = (double)f->h->irradiance[k];
+                ee += w * e * e;
+                de += w * d * e;
+                dd += w * d * d;
+            }
+            products[b & 1] += dd - (ee > 0 ? de * de / ee : 0);
+        }
+    return products[1] > 0 ? fmin(1, fmax(0, products[0] / products[1])) : 0;
 }
 
 static igi_status find_groups(igi_context *ctx, const igi_highlights *h, size_t bands,
@@ -165,6 +189,7 @@ igi_status igi_lobe_polish(igi_context *ctx, const igi_profile *f, const igi_lob
     IGI_TRY_GOTO(igi_least_squares_solve(ctx, &problem, x, covariance, &result));
     IGI_TRY_GOTO(igi_jackknife(ctx, &problem, x, f->h->piece, f->bands, jackknife));
     if (result.rank == 2 && x[0] > 0) take_out_bias(&p, covariance, result.residual_variance, x);
+    e->alpha_lamp_share = lamp_share_of_alpha(&p, x[1]);
     e->specular = fmax(0, x[0]);
     e->alpha = exp(x[1]);
     e->noise_std = sqrt(covariance[0]);

@@ -9,7 +9,8 @@
  * (variable projection; Golub & Pereyra 1973).
  *
  * S carries noise of its own from the choice of directions. Left alone it would draw rho_s toward
- * zero (errors in variables); its variance, known from halves, is taken out of <S_perp, S_perp>.
+ * zero (errors in variables), or up where weights follow S (bias_of); its variance, known from halves, is
+ * taken out of <S_perp, S_perp>.
  *
  * Noise is taken as proportional to the *predicted* radiance: weights from the noisy radiance itself
  * would favour what came out dark by chance. Residuals beyond OUTLIER_SIGMAS lose weight (Huber),
@@ -32,10 +33,11 @@ igi_status igi_profile_create(igi_context *ctx, const igi_highlights *highlights
     *profile = (igi_profile){.h = highlights, .bands = bands, .n = n};
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &profile->weight));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &profile->start));
+    IGI_TRY_GOTO(IGI_ALLOC(ctx, n * bands, &profile->bias));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, 2 * n * bands, &profile->scratch));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands * 3, &profile->sums));
     IGI_TRY_GOTO(IGI_ALLOC(ctx, highlights->groups * bands, &profile->albedo));
-    for (size_t k = 0; k < n * bands; k++) profile->weight[k] = 1;
+    for (size_t k = 0; k < n * bands; k++) profile->weight[k] = profile->bias[k] = 1;
 cleanup:
     if (status != IGI_OK) igi_profile_clear(profile);
     return status;
@@ -45,6 +47,7 @@ void igi_profile_clear(igi_profile *profile)
 {
     igi_free(profile->weight);
     igi_free(profile->start);
+    igi_free(profile->bias);
     igi_free(profile->scratch);
     igi_free(profile->sums);
     igi_free(profile->albedo);
@@ -78,7 +81,7 @@ igi_profile_outcome igi_profile_evaluate(igi_profile *profile, const igi_profile
     const igi_profile *f = profile;
     const igi_profile_column *c = column;
     size_t bands = f->bands, sums = f->h->groups * bands;
-    double yy = 0, ys = 0, ss = 0;
+    double yy = 0, ys = 0, ss = 0, noise = 0, bias = 0;
     memset(f->sums, 0, sums * 3 * sizeof *f->sums);
     for (size_t i = 0; i < f->n; i++)
         for (size_t b = 0; b < bands; b++) {
@@ -88,7 +91,9 @@ igi_profile_outcome igi_profile_evaluate(igi_profile *profile, const igi_profile
             yy += w * y * y;
             ys += w * y * s;
             ss += w * s * s;
-            if (c->noise) ss -= w * (double)c->noise[i * c->stride + b];
+            double variance = c->noise ? w * (double)c->noise[i * c->stride + b] : 0;
+            noise += variance;
+            bias += variance * (double)f->bias[i * bands + b];
             g[0] += w * e * e;
             g[1] += w * y * e;
             g[2] += w * s * e;
@@ -100,8 +105,8 @@ igi_profile_outcome igi_profile_evaluate(igi_profile *profile, const igi_profile
         ys -= g[1] * g[2] / g[0];
         ss -= g[2] * g[2] / g[0];
     }
-    igi_profile_outcome o = {ss > 0 ? fmax(0, ys / ss) : 0, 0, ss};
-    o.misfit = fmax(0, yy - 2 * o.specular * ys + o.specular * o.specular * ss);
+    igi_profile_outcome o = {ss > bias ? fmax(0, ys / (ss - bias)) : 0, 0, ss - noise};
+    o.misfit = fmax(0, yy - 2 * o.specular * ys + o.specular * o.specular * (ss - noise));
     for (size_t k = 0; k < sums; k++) {
         const double *g = f->sums + 3 * k;
         f->albedo[k] = g[0] > 0 ? fmax(0, (g[1] - o.specular * g[2]) / g[0]) : 0;
@@ -127,6 +132,18 @@ static double prediction(const igi_profile *f, const igi_profile_column *c, doub
     double base = (double)f->h->radiance[i * f->bands + b] - y;
     return f->albedo[f->h->group[i] * f->bands + b] * diffuse_unit(f, i * f->bands + b) +
            specular * s + base;
+}
+
+/* A weight 1/p^2 that knows S by its prediction p is low where S came out high by chance: of the noise's
+ * effect on rho_s, -<w noise>, that takes back 2 rho_s S_perp/p. */
+static float bias_of(const igi_profile *f, const igi_profile_column *c, double specular, size_t k)
+{
+    if (!c->noise) return 1;
+    size_t i = k / f->bands, b = k % f->bands;
+    const double *g = f->sums + 3 * (f->h->group[i] * f->bands + b);
+    double s = (double)c->scale[i * c->stride + b];
+    if (g[0] > 0) s -= diffuse_unit(f, k) * g[2] / g[0];
+    return (float)(1 - 2 * specular * s / (double)f->weight[k]);
 }
 
 /* The upper median, by Hoare's FIND in Wirth's form (1976): the rest need not be sorted. */
@@ -179,6 +196,7 @@ double igi_profile_reweigh(igi_profile *profile, const igi_profile_column *colum
         double p = prediction(f, column, specular, k / f->bands, k % f->bands);
         f->weight[k] = (float)(fabs(p) + floor); /* for a moment: the predicted noise's unit */
         f->scratch[k] = (float)(fabs((double)f->h->radiance[k] - p) / (double)f->weight[k]);
+        f->bias[k] = bias_of(f, column, specular, k);
     }
     memcpy(f->scratch + n, f->scratch, n * sizeof *f->scratch);
     *noise = fmax(1e-4, 1.4826 * median_of(f->scratch + n, n));

@@ -10,8 +10,10 @@
 typedef struct igi_profile {
     const igi_highlights *h;
     size_t bands, n;
-    float *weight;  /* [count][bands] one over the variance of a residual */
-    float *start;   /* [count][bands] the weights that a search begins with: the caller's */
+    float *weight; /* [count][bands] one over the variance of a residual */
+    float *start;  /* [count][bands] the weights that a search begins with: the caller's */
+    float *bias; /* [count][bands] how much of the noise of S biases rho_s: 1 where the weight does
+                     * not know S */
     float *scratch; /* [2][count][bands] */
     double *sums;   /* [groups][bands][3]: <E,E>, <y,E>, <S,E> */
     double *albedo; /* [groups][bands] of the last evaluation */

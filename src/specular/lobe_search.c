@@ -67,6 +67,7 @@ static void reweigh(igi_profile *f, const igi_lobe_table *t, size_t at, int roun
 static void begin_anew(igi_profile *f)
 {
     memcpy(f->weight, f->start, f->n * f->bands * sizeof *f->weight);
+    for (size_t k = 0; k < f->n * f->bands; k++) f->bias[k] = 1;
 }
 
 /* One column alone, from the profile's first weights on. */

@@ -82,8 +82,7 @@ static void draw(problem *p, uint64_t number)
         p->piece[i] = (uint32_t)uniform(&rng, 0, 6);
         for (size_t m = 0; m < DIRECTIONS; m++) {
             igi_direction_sample *d = &p->directions[i * DIRECTIONS + m];
-            *d = (igi_direction_sample){about_mirror(&rng, out, igi_rng_float(&rng)), out, 0,
-                                        false};
+            *d = (igi_direction_sample){about_mirror(&rng, out, igi_rng_float(&rng)), out, 0, 0, 0};
             d->weight = igi_rng_float(&rng) < 0.1f ? 0 : (float)uniform(&rng, 0, 0.05);
             for (size_t b = 0; b < BANDS; b++)
                 p->incident[(i * DIRECTIONS + m) * BANDS + b] = bright * igi_rng_float(&rng);
