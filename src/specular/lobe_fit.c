@@ -201,6 +201,7 @@ static igi_status try_colour(igi_context *ctx, const igi_highlights *highlights,
         IGI_TRY_GOTO(fit_finely(ctx, &f, e->model, &found));
     }
     e->colour.gain = e->deviance - found.deviance;
+    e->colour.gain = fmin(e->colour.gain, e->colour.gain + e->excused - found.excused);
     if (!(found.specular > 0) || found.at_bound > e->at_bound) goto cleanup;
     if (!(e->colour.gain > igi_lobe_colour_margin(e, tinted.bands))) goto cleanup;
     found.colour.found = true;

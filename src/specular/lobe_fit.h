@@ -37,6 +37,7 @@ typedef struct igi_lobe_estimate {
     double alpha_lamp_share;      /* and of alpha */
     bool at_bound;                /* alpha ran into the upper end of what is looked for */
     double deviance;              /* -2 ln likelihood with the lobe, */
+    double excused;               /* from which so much was taken off for the noise of S, */
     double plain_deviance;        /* and without: both with the noise that fits them */
     double residuals;             /* how many residuals there were */
     double noise;                 /* relative standard deviation of a residual with the lobe, */

@@ -61,7 +61,8 @@ static void reweigh(igi_profile *f, const igi_lobe_table *t, size_t at, int roun
     e->specular = igi_profile_evaluate(f, &c).specular;
     e->alpha = (double)t->alphas[at];
     e->deviance = igi_profile_reweigh(f, &c, e->specular, round > 0, &e->noise);
-    e->deviance -= e->specular * e->specular * igi_profile_noise(f, &c);
+    e->excused = e->specular * e->specular * igi_profile_noise(f, &c);
+    e->deviance -= e->excused;
 }
 
 static void begin_anew(igi_profile *f)
