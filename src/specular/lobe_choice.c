@@ -68,13 +68,15 @@ void igi_lobe_allow_for_broader(igi_lobe_estimate *e, const igi_lobe_estimate *f
     e->alpha_std = hypot(e->alpha_std, first->broader_alpha - e->alpha);
 }
 
-/* Is the lobe asked for? It must gain far more likelihood than chance gives (BIC), more than errors
+/* Is the lobe asked for? It must gain more than what the noise of S is
+ * excused for, far more likelihood than chance gives (BIC), more than errors
  * of the irradiance could feign (a share of every residual), and have a width of its own. */
 static bool is_earned(const igi_lobe_estimate *e)
 {
     double gain = e->plain_deviance - e->deviance;
-    return gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) && gain > GAIN_SHARE * e->residuals &&
-           !e->at_bound && e->specular > MIN_SIGMAS * e->noise_std;
+    return gain > e->excused && gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) &&
+           gain > GAIN_SHARE * e->residuals && !e->at_bound &&
+           e->specular > MIN_SIGMAS * e->noise_std;
 }
 
 void igi_lobe_take(igi_lobe_estimate *e, int bands, igi_lobe *lobe)
