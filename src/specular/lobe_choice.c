@@ -19,6 +19,17 @@ bool igi_lobe_is_hinted(const igi_lobe_estimate *e)
     return e->plain_deviance - e->deviance > HINT_SHARE * e->residuals;
 }
 
+/* Is the lobe asked for? It must gain more than what the noise of S is
+ * excused for, far more likelihood than chance gives (BIC), more than errors
+ * of the irradiance could feign (a share of every residual), and have a width of its own. */
+static bool is_earned(const igi_lobe_estimate *e)
+{
+    double gain = e->plain_deviance - e->deviance;
+    return gain > e->excused && gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) &&
+           gain > GAIN_SHARE * e->residuals && !e->at_bound &&
+           e->specular > MIN_SIGMAS * e->noise_std;
+}
+
 /* A later model must be better by more than the noise of such differences, which for sharp lobes is
  * that of S: a share of all that the lobe explains; and a lobe that ran into
  * an end of what is looked for is none. */
@@ -49,7 +60,9 @@ void igi_lobe_choose(const igi_lobe_estimate *found, size_t count, igi_lobe_esti
     const igi_lobe_estimate *broad = NULL;
     *best = found[0];
     for (size_t i = 0; i < count; i++) {
-        if (i > 0 && is_better(&found[i], best)) *best = found[i];
+        /* the margin is to tell families apart, not whether there is a lobe at all */
+        bool first = !is_earned(best) && is_earned(&found[i]);
+        if (first || is_better(&found[i], best)) *best = found[i];
         if (found[i].at_bound && (!broad || found[i].deviance < broad->deviance)) broad = &found[i];
     }
     find_alike(found, count, best);
@@ -66,17 +79,6 @@ void igi_lobe_allow_for_broader(igi_lobe_estimate *e, const igi_lobe_estimate *f
     if (e->broader == IGI_LAMBERT) return;
     e->specular_std = hypot(e->specular_std, first->broader_specular - e->specular);
     e->alpha_std = hypot(e->alpha_std, first->broader_alpha - e->alpha);
-}
-
-/* Is the lobe asked for? It must gain more than what the noise of S is
- * excused for, far more likelihood than chance gives (BIC), more than errors
- * of the irradiance could feign (a share of every residual), and have a width of its own. */
-static bool is_earned(const igi_lobe_estimate *e)
-{
-    double gain = e->plain_deviance - e->deviance;
-    return gain > e->excused && gain > MIN_GAIN + 2 * log(fmax(e->residuals, 1)) &&
-           gain > GAIN_SHARE * e->residuals && !e->at_bound &&
-           e->specular > MIN_SIGMAS * e->noise_std;
 }
 
 void igi_lobe_take(igi_lobe_estimate *e, int bands, igi_lobe *lobe)

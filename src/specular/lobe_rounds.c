@@ -103,16 +103,23 @@ static void record(const igi_lobe_round *s, size_t region, const char *look,
         .colour_gain = e->colour.gain};
 }
 
-/* A first look with few pixels: is there a lobe at all? */
+/* A first look with few pixels: is there a lobe at all? A later model is asked where the first sees
+ * none: ward's lobe, as strong from everywhere, is no hint of ggx's, which grows at grazing angles. */
 static igi_status glance_at_region(igi_context *ctx, const igi_lobe_round *s, size_t region,
-                                   const igi_highlight_options *options, igi_model model)
+                                   const igi_highlight_options *options, const igi_model *models,
+                                   size_t count)
 {
     igi_highlights *h = NULL;
+    igi_lobe_estimate *e = &s->specular->estimates[region], seen;
     IGI_TRY(find_highlights(ctx, s, region, GLANCE_SCORED, options, &h));
-    igi_status status = igi_lobe_glance(ctx, h, model, &s->specular->estimates[region]);
-    igi_lobe_estimate seen = s->specular->estimates[region];
-    seen.at_bound = false; /* a glance does not look for that */
-    if (status == IGI_OK) record(s, region, "glance", &seen);
+    igi_status status = IGI_OK;
+    for (size_t i = 0; i < count && status == IGI_OK; i++) {
+        status = igi_lobe_glance(ctx, h, models[i], e);
+        seen = *e;
+        seen.at_bound = false; /* a glance does not look for that */
+        if (status == IGI_OK) record(s, region, "glance", &seen);
+        if (igi_lobe_is_hinted(e)) break;
+    }
     igi_highlights_destroy(h);
     return status;
 }
@@ -179,7 +186,7 @@ igi_status igi_lobes_search(igi_context *ctx, const igi_lobe_round *s)
         if (p->scene->regions[r].emitter || !s->diffuse->determined[r]) continue;
         if (p->observations->scarce[r]) continue; /* its neighbours' light would pass for a lobe */
         igi_lobe_estimate *e = &s->specular->estimates[r];
-        IGI_TRY(glance_at_region(ctx, s, r, &options, models[0]));
+        IGI_TRY(glance_at_region(ctx, s, r, &options, models, allowed));
         if (igi_lobe_is_hinted(e)) IGI_TRY(search_region(ctx, s, r, options, models, allowed));
         igi_lobe_take(e, p->bands, &s->specular->lobes[r]);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
