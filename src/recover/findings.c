@@ -7,6 +7,8 @@
 /* No dielectric mirrors more of light that falls on it at right angles (diamond .17, rutile .2), or mirrors
  * it in a colour; metals do, and nothing comes back from inside of them. */
 #define METAL_SPECULAR 0.25
+/* So clear must a diffuse part be: a metal that has one (dirt, flaws) is rarer than a deviation of 2. */
+#define METAL_SIGMAS 2.5
 
 /* rho_s of plastic and varnish; less goes without saying. */
 #define WORTH_A_WORD 0.03
@@ -204,9 +206,9 @@ igi_status igi_metal_settle(igi_context *ctx, int bands, igi_material *m)
     if (m->model == IGI_LAMBERT || m->textured) return IGI_OK;
     if (m->specular < METAL_SPECULAR && !m->specular_is_rgb) return IGI_OK;
     for (int b = 0; b < bands; b++) {
-        if (m->albedo[b] > IGI_BOUND_SIGMAS * m->albedo_std[b]) return IGI_OK;
-        most = fmax(
-            most, fmin(1 - m->specular_rgb[b], m->albedo[b] + IGI_BOUND_SIGMAS * m->albedo_std[b]));
+        if (m->albedo[b] > METAL_SIGMAS * m->albedo_std[b]) return IGI_OK;
+        most = fmax(most,
+                    fmin(1 - m->specular_rgb[b], m->albedo[b] + METAL_SIGMAS * m->albedo_std[b]));
     }
     for (int b = 0; b < bands; b++) m->albedo[b] = 0;
     char *sentence;

@@ -269,6 +269,9 @@ igi_status igi_lobes_refine(igi_context *ctx, const igi_lobe_round *s)
     for (size_t r = 0; r < p->scene->region_count; r++) {
         if (s->specular->lobes[r].model == IGI_LAMBERT) continue;
         IGI_TRY(refine_region(ctx, s, r));
+        igi_lobe_estimate *e = &s->specular->estimates[r];
+        if (isfinite(e->alpha_std) && e->alpha + e->alpha_std > IGI_FIT_ALPHA_HIGH)
+            e->at_bound = true; /* as far as anyone can tell */
         igi_lobe_take(&s->specular->estimates[r], p->bands, &s->specular->lobes[r]);
         IGI_TRY(igi_progress(ctx, (double)(r + 1) / (double)p->scene->region_count));
     }

@@ -126,8 +126,8 @@ static void read_back(void)
 static void unwritable(void)
 {
     igi_context *ctx = test_context(1);
-    CHECK(save(ctx, "/nonexistent/scene.glb", NULL) == IGI_E_SYSTEM);
-    CHECK_CONTAINS(igi_context_message(ctx), "/nonexistent/scene.glb");
+    CHECK(save(ctx, "/dev/null/scene.glb", NULL) == IGI_E_SYSTEM);
+    CHECK_CONTAINS(igi_context_message(ctx), "/dev/null/scene.glb");
     igi_context_destroy(ctx);
 }
 
