@@ -21,8 +21,8 @@
 #define FEWEST_RESIDUALS 10
 #define FINEST_RATIO 1.003
 
-/* Relative errors, fitted on the odd ones of rooms 1 to 126 of scripts/random_rooms and judged on the even
- * ones: what pieces of the surface tell by their scatter (they do not tell what they share: a little
+/* Relative errors, fitted on the odd ones of rooms 1 to 49 of scripts/random_rooms and judged on the even
+ * ones (to 126): what pieces of the surface tell by their scatter (they do not tell what they share: a little
  * more); what is not known of surfaces that the lobe mirrors, since they are known by patches; and what is
  * common to all pixels of a region. rho_s follows alpha some of the way. */
 #define TOLD 1.15
