@@ -33,7 +33,7 @@ typedef struct igi_region {
 } igi_region;
 
 typedef enum igi_light_type {
-    IGI_LIGHT_AREA,        /* value: radiance, W m^-2 sr^-1, front side only */
+    IGI_LIGHT_AREA,        /* value: mean radiance, W m^-2 sr^-1, front side only */
     IGI_LIGHT_POINT,       /* value: intensity, W sr^-1 */
     IGI_LIGHT_SPOT,        /* value: intensity within the beam, W sr^-1 */
     IGI_LIGHT_LINE,        /* value: intensity per length, W sr^-1 m^-1 */
@@ -55,6 +55,7 @@ typedef struct igi_sky {
 typedef struct igi_light {
     igi_light_type type;
     int region;         /* area: index of the emitter region; else -1 */
+    double profile;     /* area: n of its radiance, value (n + 2)/2 cos^n; 0: alike everywhere */
     double position[3]; /* point, spot, goniometric; line: its one end */
     double end[3];      /* line: its other end */
     double

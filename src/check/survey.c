@@ -6,6 +6,8 @@
  */
 #include "check/survey.h"
 
+#include "observe/lamp_profile.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -29,9 +31,11 @@ static igi_status average_sides(igi_context *ctx, igi_survey *s)
         uint32_t surface = o->surface[i];
         uint32_t side = igi_side_at(s->patches, igi_surface_triangle(surface), o->uv[2 * i],
                                     o->uv[2 * i + 1], igi_surface_is_back(surface));
+        float profile = (float)igi_observation_profile(s->scene, o, i);
+        if (!(profile > 0)) continue;
         s->seen[side]++;
         for (size_t b = 0; b < bands; b++)
-            s->radiance[side * bands + b] += o->radiance[i * bands + b];
+            s->radiance[side * bands + b] += o->radiance[i * bands + b] / profile;
     }
     for (size_t k = 0; k < sides * bands; k++)
         if (s->seen[k / bands]) s->radiance[k] /= (float)s->seen[k / bands];

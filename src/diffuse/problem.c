@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "diffuse/problem.h"
 
+#include "observe/lamp_profile.h"
 #include "scene/camera.h"
 
 #include <string.h>
@@ -113,8 +114,10 @@ static void look_at_lamp(const igi_problem *p, int region, lamp_side sides[2])
     for (size_t i = 0; i < o->count; i++) {
         if ((int)p->scene->mesh.regions[igi_surface_triangle(o->surface[i])] != region) continue;
         lamp_side *side = &sides[igi_surface_is_back(o->surface[i])];
+        double profile = igi_observation_profile(p->scene, o, i);
+        if (!(profile > 0)) continue;
         for (int b = 0; b < p->bands; b++) {
-            double x = (double)o->radiance[i * (size_t)p->bands + (size_t)b];
+            double x = (double)o->radiance[i * (size_t)p->bands + (size_t)b] / profile;
             side->sum[b] += x;
             side->squares[b] += x * x;
         }
@@ -136,7 +139,8 @@ static void read_small_lamp(const igi_problem *p, igi_light *light, double std[I
     memcpy(std, seen.error, sizeof seen.error);
 }
 
-/* Radiance of a lamp whose value nobody gave: the mean over what is seen of its front. */
+/* Radiance of a lamp whose value nobody gave: the mean over what is seen of its front, each pixel
+ * over the profile toward its camera. */
 static void read_lamp(const igi_problem *p, const lamp_side *front, igi_light *light,
                       double std[IGI_MAX_BANDS])
 {

@@ -131,6 +131,12 @@ igi_status igi_export(igi_context *ctx, const char *folder, const igi_export_opt
     if (shows && !options->cameras) IGI_TRY_GOTO(igi_result_cameras(ctx, folder, &found));
     if (shows && !options->cameras && !found)
         igi_warn(ctx, "no cameras are exported: give their file with --cameras");
+    for (size_t i = 0, lost = 0; i < lit.light_count && options->format != IGI_EXPORT_RADIANCE; i++)
+        if (lit.lights[i].profile > 0 && lost++ == 0)
+            igi_warn(ctx,
+                     "%s knows no lamps with a profile: they shine with their mean radiance in all "
+                     "directions",
+                     f->name);
     const char *cameras = options->cameras ? options->cameras : found;
     if (cameras) IGI_TRY_GOTO(igi_frames_load(ctx, cameras, &frames, &frame_count));
     igi_exporter e = {.ctx = ctx,

@@ -118,7 +118,12 @@ static void print_lamp(const igi_exporter *e, size_t region)
         return;
     }
     igi_export_rgb(lamp->value, e->materials->bands, rgb);
-    fprintf(e->file, "void light surface_%zu\n0\n0\n3 %.9g %.9g %.9g\n", region, rgb[0], rgb[1],
+    if (lamp->profile > 0)
+        fprintf(e->file,
+                "void brightfunc profile_%zu\n2 (A1+2)/2*Rdot^A1 .\n0\n1 %.9g\nprofile_%zu", region,
+                lamp->profile, region);
+    else fputs("void", e->file);
+    fprintf(e->file, " light surface_%zu\n0\n0\n3 %.9g %.9g %.9g\n", region, rgb[0], rgb[1],
             rgb[2]);
 }
 

@@ -12,6 +12,8 @@
 /* From here on its three edges' middles stand for it (exact for polynomials of degree 2). */
 #define MIDDLE_AREAS 40
 #define NEAR (-1.0f)
+#define FAR_EDGES 40 /* with it, a triangle is its centre */
+#define MOST_CUTS 14 /* of a triangle in two, for the profile of what is near */
 #define LEAST 1e-18f /* so that nothing is divided by nothing */
 
 /* Of the emitters from `first` on. */
@@ -137,6 +139,71 @@ static float exact_irradiance(const emitter *e, igi_vec point, igi_vec normal)
     return 0.5f * (float)fabs(sum);
 }
 
+/* Sums over a triangle seen from the point: of the irradiance that its parts send, and of that times
+ * the profile. */
+typedef struct profiled {
+    const igi_light *light;
+    igi_vec normal; /* at the point */
+    float height;   /* of the point above the emitter's plane */
+    double plain, shaped;
+} profiled;
+
+static void add_point(profiled *p, igi_vec at, float area)
+{
+    float squared = igi_dot(at, at), above = igi_dot(at, p->normal);
+    if (!(above > 0)) return;
+    double sent = (double)(area * above / (squared * squared));
+    p->plain += sent;
+    p->shaped += sent * (double)igi_light_profile(p->light, p->height / sqrtf(squared));
+}
+
+/* Radon's seven points (1948), exact for polynomials of degree 5. */
+static void add_points(profiled *p, const igi_vec corners[3], igi_vec centre, float area)
+{
+    static const float rings[2][2] = {{0.10128651f, 0.12593918f}, {0.47014206f, 0.13239415f}};
+    igi_vec sum = igi_scale(centre, 3);
+    add_point(p, centre, 0.225f * area);
+    for (int k = 0; k < 6; k++) {
+        const float *ring = rings[k / 3];
+        igi_vec at = igi_madd(igi_scale(sum, ring[0]), corners[k % 3], 1 - 3 * ring[0]);
+        add_point(p, at, ring[1] * area);
+    }
+}
+
+/* Halves the triangle's longest edge until it is short for its distance and the profile. */
+static void add_triangle(profiled *p, const igi_vec corners[3], float area, int cuts)
+{
+    int longest = 0;
+    float most = 0;
+    for (int k = 0; k < 3; k++) {
+        igi_vec edge = igi_sub(corners[(k + 1) % 3], corners[k]);
+        if (igi_dot(edge, edge) <= most) continue;
+        most = igi_dot(edge, edge);
+        longest = k;
+    }
+    igi_vec centre = igi_scale(igi_add(igi_add(corners[0], corners[1]), corners[2]), 1 / 3.0f);
+    float far = igi_dot(centre, centre) / ((1 + (float)p->light->profile) * most);
+    if (cuts == 0 || far > 1) {
+        if (far > FAR_EDGES) add_point(p, centre, area);
+        else add_points(p, corners, centre, area);
+        return;
+    }
+    igi_vec a = corners[longest], b = corners[(longest + 1) % 3], c = corners[(longest + 2) % 3];
+    igi_vec middle = igi_scale(igi_add(a, b), 0.5f);
+    add_triangle(p, (const igi_vec[3]){a, middle, c}, area / 2, cuts - 1);
+    add_triangle(p, (const igi_vec[3]){middle, b, c}, area / 2, cuts - 1);
+}
+
+/* Mean of the profile over an emitter, by what each part of it sends were it alike everywhere. */
+static float mean_profile(const igi_light *light, const emitter *e, igi_vec point, igi_vec normal)
+{
+    igi_vec first = igi_sub(e->corner, point);
+    const igi_vec corners[3] = {first, igi_add(first, e->edge1), igi_add(first, e->edge2)};
+    profiled p = {.light = light, .normal = normal, .height = -igi_dot(first, e->normal)};
+    add_triangle(&p, corners, e->area, MOST_CUTS);
+    return p.plain > 0 ? (float)(p.shaped / p.plain) : 0;
+}
+
 float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, igi_vec normal,
                          float *weights)
 {
@@ -147,6 +214,8 @@ float igi_emitters_weigh(const igi_lighting *l, const source *s, igi_vec point, 
         const emitter *e = &l->emitters[s->first + i];
         if (weights[i] < 0 && s->count > FEW_EMITTERS) weights[i] = weigh_middle(e, point, normal);
         if (weights[i] < 0) weights[i] = exact_irradiance(e, point, normal);
+        if (s->light->profile > 0 && weights[i] > 0)
+            weights[i] *= mean_profile(s->light, e, point, normal);
         sum += weights[i];
     }
     return sum;

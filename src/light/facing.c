@@ -136,5 +136,8 @@ float igi_light_sample_facing(const igi_lighting *lighting, size_t light, igi_ve
     float angle = sample_emitter(&emitters[i], point, rest, v, sample);
     sample->weight = angle * sum / weights[i];
     sample->pdf = sample->weight > 0 ? 1 / sample->weight : 0;
+    if (angle > 0)
+        sample->weight *= igi_light_profile(s->light,
+                                            -igi_dot(sample->direction, emitters[i].normal));
     return sum;
 }

@@ -31,14 +31,15 @@ static void pattern_next(pattern *p)
     if (p->v >= 1) p->v -= 1;
 }
 
-/* Irradiance per area of the emitter around `p`; 0 behind either. */
-static float kernel(igi_vec p, igi_vec light_normal, igi_vec point, igi_vec normal)
+/* Irradiance by what of the emitter lies around `p`, were all of it there; 0 behind either. */
+static float kernel(const source *s, const emitter *e, igi_vec p, igi_vec point, igi_vec normal)
 {
     igi_vec d = igi_sub(p, point);
     float squared = igi_dot(d, d);
-    float at_point = igi_dot(d, normal), at_light = -igi_dot(d, light_normal);
+    float at_point = igi_dot(d, normal), at_light = -igi_dot(d, e->normal);
     if (!(at_point > 0 && at_light > 0)) return 0;
-    return at_point * at_light / (squared * squared);
+    return at_point * at_light / (squared * squared) * e->area *
+           igi_light_profile(s->light, at_light / sqrtf(squared));
 }
 
 /* Sums over every second ray. */
@@ -76,10 +77,11 @@ static igi_vec point_on(const emitter *e, pattern p)
 }
 
 /* Emitters are chosen in proportion to their weight, systematically (one uniform offset). */
-static float seen_irradiance(const emitter *emitters, const float *weights, float sum,
-                             const igi_tracer *tracer, igi_vec point, igi_vec normal, int rays,
-                             uint64_t key)
+static float seen_irradiance(const igi_lighting *l, const source *s, const float *weights,
+                             float sum, const igi_tracer *tracer, igi_vec point, igi_vec normal,
+                             int rays, uint64_t key)
 {
+    const emitter *emitters = l->emitters + s->first;
     half halves[2] = {{0, 0, 0}, {0, 0, 0}};
     pattern patterns[2] = {pattern_start(3 * key), pattern_start(3 * key + 1)};
     float below = 0, step = sum / (float)rays;
@@ -89,7 +91,7 @@ static float seen_irradiance(const emitter *emitters, const float *weights, floa
         while (below + weights[i] <= target && below + weights[i] < sum) below += weights[i++];
         igi_vec at = point_on(&emitters[i], patterns[k % 2]);
         pattern_next(&patterns[k % 2]);
-        float open = kernel(at, emitters[i].normal, point, normal) * emitters[i].area;
+        float open = kernel(s, &emitters[i], at, point, normal);
         if (open > 0) open *= sum / weights[i];
         half_add(&halves[k % 2], open, open > 0 && !igi_occluded(tracer, point, at));
     }
@@ -121,11 +123,10 @@ static float area_irradiance(const igi_lighting *l, size_t light, const igi_trac
     if (s->count > MANY_EMITTERS)
         return area_by_samples(l, light, tracer, point, normal, rays, key);
     float weights[MANY_EMITTERS];
-    const emitter *emitters = l->emitters + s->first;
     float sum = igi_emitters_weigh(l, s, point, normal, weights);
     if (!(sum > 0)) return 0;
     if (!tracer) return sum;
-    return seen_irradiance(emitters, weights, sum, tracer, point, normal, rays, key);
+    return seen_irradiance(l, s, weights, sum, tracer, point, normal, rays, key);
 }
 
 /* The part of a line light above the horizon of `point`; t runs along the light in metres from the

@@ -7,6 +7,7 @@
 
 #include "light/light.h"
 #include "light/sky.h"
+#include "scene/light_profile.h"
 
 #include <igi/image.h>
 

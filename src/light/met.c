@@ -10,6 +10,16 @@ static void add(const igi_lighting *l, const source *s, const float *tint, float
         radiance[b] += (float)s->light->value[b] * (tint ? tint[b] : 1);
 }
 
+static void add_lamp(const igi_lighting *l, const source *s, igi_vec direction, uint32_t triangle,
+                     float *radiance)
+{
+    float cosine = 1;
+    if (s->light->profile > 0)
+        cosine = fabsf(igi_dot(direction, igi_triangle_normal(&l->scene->mesh, triangle)));
+    float share = igi_light_profile(s->light, cosine);
+    for (int b = 0; b < l->bands; b++) radiance[b] += (float)s->light->value[b] * share;
+}
+
 void igi_light_add_sky(const igi_lighting *lighting, size_t light, igi_vec direction,
                        float *radiance)
 {
@@ -42,7 +52,8 @@ void igi_lighting_add_emitted(const igi_lighting *lighting, igi_vec direction, c
 {
     if (hit->triangle != IGI_NO_HIT) {
         int i = igi_lighting_of_triangle(lighting, hit->triangle);
-        if (i >= 0 && !hit->back) add(lighting, &lighting->sources[i], NULL, radiance);
+        if (i >= 0 && !hit->back)
+            add_lamp(lighting, &lighting->sources[i], direction, hit->triangle, radiance);
         return;
     }
     for (size_t i = 0; i < lighting->count; i++)

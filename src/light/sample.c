@@ -46,7 +46,7 @@ static bool sample_area(const igi_lighting *l, const source *s, igi_vec point, f
     sample->direction = igi_scale(d, 1 / distance);
     sample->distance = distance;
     sample->pdf = squared * distance / (facing * s->area);
-    sample->weight = 1 / sample->pdf;
+    sample->weight = igi_light_profile(s->light, facing / distance) / sample->pdf;
     return true;
 }
 
@@ -170,8 +170,10 @@ static size_t area_sample_set(const igi_lighting *l, const source *s, igi_vec po
         float facing = -igi_dot(d, e->normal);
         if (!(facing > 0) || !(angle > 0)) continue;
         float solid = e->area * facing / (squared * distance); /* were all of it here */
+        float weight = solid * whole / (angle * (float)count);
+        weight *= igi_light_profile(s->light, facing / distance);
         samples[made++] = (igi_light_sample){igi_scale(d, 1 / distance), distance, 1 / solid,
-                                             solid * whole / (angle * (float)count), NULL};
+                                             weight, NULL};
     }
     return made;
 }

@@ -8,6 +8,8 @@
  */
 #include "material/read.h"
 
+#include "scene/light_profile.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -75,6 +77,9 @@ static igi_status read_light(const igi_material_reader *r, const json_t *o, igi_
     IGI_TRY(igi_read_number(r, type, o, "turbidity", &l->sky.turbidity));
     IGI_TRY(igi_read_number(r, type, o, "cloudiness", &l->sky.cloudiness));
     const char *file = json_string_value(json_object_get(o, "profile"));
+    if (!file) IGI_TRY(igi_read_number(r, type, o, "profile", &l->profile));
+    if (!(l->profile >= 0 && l->profile <= IGI_MOST_PROFILE))
+        return igi_read_wrong(r, type, "profile", "an exponent from 0 to 100");
     if (!file) file = json_string_value(json_object_get(o, "image"));
     if (file) IGI_TRY(igi_strdup(r->ctx, file, &l->file));
     const char *key = igi_light_value_key(l->type);

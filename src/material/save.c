@@ -194,6 +194,7 @@ static int put_place(json_t *o, const igi_light *l, const igi_scene *scene)
     case IGI_LIGHT_AREA:
         if (scene && l->region >= 0 && (size_t)l->region < scene->region_count)
             bad |= json_object_set_new(o, "region", json_string(scene->regions[l->region].name));
+        if (l->profile > 0) bad |= json_object_set_new(o, "profile", number(l->profile));
         break;
     case IGI_LIGHT_SPOT:
         bad |= json_object_set_new(o, "position", numbers(l->position, 3));

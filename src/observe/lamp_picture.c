@@ -6,6 +6,7 @@
  */
 #include "observe/lamp_picture.h"
 
+#include "observe/lamp_profile.h"
 #include "scene/camera.h"
 
 #include <string.h>
@@ -19,6 +20,7 @@ typedef struct lamp {
     const igi_scene *scene;
     const igi_tracer *tracer;
     const igi_camera *camera;
+    const igi_light *light;
     uint32_t region;
     size_t triangles;
     igi_lamp_picture *picture;
@@ -120,29 +122,38 @@ static double area_in_pixel(double triangle[3][2], int x, int y)
     return 0.5 * fabs(twice);
 }
 
-/* c of the window's pixels; their sum. */
+/* c of the window's pixels; their sum, and the mean profile. */
 static double cover(const lamp *s)
 {
-    double at[3][2], sum = 0;
+    double at[3][2], sum = 0, profiles = 0;
     memset(s->picture->covered, 0, sizeof s->picture->covered);
     for (uint32_t t = 0; t < s->scene->mesh.triangle_count; t++) {
         if (s->scene->mesh.regions[t] != s->region || project(s, t, at) <= 0) continue;
+        double profile = igi_lamp_profile_seen(s->scene, s->light, s->camera, t, 1 / 3.0f,
+                                               1 / 3.0f);
         for (int y = s->picture->window[1][0]; y < s->picture->window[1][1]; y++)
             for (int x = s->picture->window[0][0]; x < s->picture->window[0][1]; x++) {
                 double area = area_in_pixel(at, x, y);
                 s->picture->covered[y - s->picture->window[1][0]][x - s->picture->window[0][0]] +=
                     area;
                 sum += area;
+                profiles += area * profile;
             }
     }
+    s->picture->profile = sum > 0 ? profiles / sum : 0;
     return sum;
 }
 
 bool igi_lamp_picture_find(const igi_scene *scene, const igi_tracer *tracer,
-                           const igi_camera *camera, uint32_t region, igi_lamp_picture *picture)
+                           const igi_camera *camera, const igi_light *light,
+                           igi_lamp_picture *picture)
 {
-    lamp s = {
-        .scene = scene, .tracer = tracer, .camera = camera, .region = region, .picture = picture};
+    lamp s = {.scene = scene,
+              .tracer = tracer,
+              .camera = camera,
+              .light = light,
+              .region = (uint32_t)light->region,
+              .picture = picture};
     if (!find_window(&s)) return false;
     picture->area_px = cover(&s);
     return picture->area_px > 0;

@@ -14,11 +14,13 @@
 typedef struct igi_lamp_picture {
     int window[2][2]; /* first and end columns, rows, of it and its margin */
     double area_px;
+    double profile; /* mean over it: how many times its light's value it shows */
     double covered[IGI_LAMP_WINDOW][IGI_LAMP_WINDOW]; /* [row][column] of the window: 0..1 */
 } igi_lamp_picture;
 
-/* False where the lamp is hidden in part, reaches beyond the border, or is too large. */
+/* Of a lamp of the mesh. False where it is hidden in part, reaches beyond the border, or is too large. */
 bool igi_lamp_picture_find(const igi_scene *scene, const igi_tracer *tracer,
-                           const igi_camera *camera, uint32_t region, igi_lamp_picture *picture);
+                           const igi_camera *camera, const igi_light *light,
+                           igi_lamp_picture *picture);
 
 #endif

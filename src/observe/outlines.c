@@ -210,6 +210,14 @@ static size_t find_window(scan *s)
     return count;
 }
 
+/* Darker to one side, or to all: its outline is not where it has half its brightness. */
+static bool has_profile(const igi_scene *scene, size_t region)
+{
+    for (size_t l = 0; l < scene->light_count; l++)
+        if (scene->lights[l].region == (int)region && scene->lights[l].profile > 0) return true;
+    return false;
+}
+
 igi_status igi_outlines_measure(igi_context *ctx, const igi_scene *scene, const igi_tracer *tracer,
                                 const igi_camera *camera, const igi_image *image,
                                 const igi_visible *visible, igi_outline **outlines, size_t *count)
@@ -220,7 +228,7 @@ igi_status igi_outlines_measure(igi_context *ctx, const igi_scene *scene, const 
         .scene = scene, .tracer = tracer, .camera = camera, .image = image, .visible = visible};
     for (size_t r = 0; r < scene->region_count; r++) {
         igi_outline one;
-        if (!scene->regions[r].emitter) continue;
+        if (!scene->regions[r].emitter || has_profile(scene, r)) continue;
         s.region = (uint32_t)r;
         if (find_window(&s) < FEWEST_PX) continue;
         size_t window = (size_t)(s.high[0] - s.low[0]) * (size_t)(s.high[1] - s.low[1]);

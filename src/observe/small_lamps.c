@@ -12,6 +12,7 @@
 
 #include "base/solve.h"
 #include "observe/lamp_picture.h"
+#include "observe/lamp_profile.h"
 #include "observe/outlines.h"
 
 #include <string.h>
@@ -163,8 +164,9 @@ static void read_lamp(const scan *s, igi_lamp_reading *r)
         double lamp = blurred ? u->all : u->fitted;
         double variance = noise * (blurred ? u->spread / (area * area) : 1 / u->weights);
         double around = WITHIN * s->scatter[b] * u->surroundings / u->weights;
-        r->radiance[b] = lamp + s->plane[b][0];
-        r->error[b] = hypot(hypot(lamp * sqrt(variance), around), LEAST * lamp);
+        double error = hypot(hypot(lamp * sqrt(variance), around), LEAST * lamp);
+        r->radiance[b] = (lamp + s->plane[b][0]) / s->picture.profile;
+        r->error[b] = error / s->picture.profile;
     }
     for (int y = s->picture.window[1][0]; y < s->picture.window[1][1]; y++)
         for (int x = s->picture.window[0][0]; x < s->picture.window[0][1]; x++)
@@ -185,7 +187,8 @@ igi_status igi_lamps_measure(igi_context *ctx, const igi_scene *scene, const igi
         const igi_light *light = &scene->lights[l];
         if (light->type != IGI_LIGHT_AREA || light->known) continue;
         s.region = (uint32_t)light->region;
-        if (!igi_lamp_picture_find(scene, tracer, camera, s.region, &s.picture)) continue;
+        if (!igi_lamp_picture_find(scene, tracer, camera, light, &s.picture)) continue;
+        if (igi_lamp_is_dim(light, s.picture.profile)) continue;
         if (!(s.picture.area_px > LEAST_PX) || !fit_planes(&s)) continue;
         igi_lamp_reading *grown = igi_grow(ctx, *readings, &capacity, *count + 1, sizeof *grown);
         if (!grown) return IGI_E_SYSTEM;

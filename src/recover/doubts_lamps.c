@@ -5,6 +5,8 @@
  */
 #include "recover/doubt.h"
 
+#include "observe/lamp_profile.h"
+
 #define LAMP_OFF 0.005
 #define LAMP_SIGMAS 6.0
 #define FEWEST_LAMP_PIXELS 20
@@ -20,7 +22,7 @@ double igi_doubt_area(const igi_mesh *mesh, size_t region)
     return area;
 }
 
-/* What is seen of a lamp's front, mean over bands. */
+/* What is seen of a lamp's front, over its profile, mean over bands. */
 typedef struct lamp_view {
     double mean, error, pixels; /* error: of the mean, one standard deviation */
 } lamp_view;
@@ -34,9 +36,11 @@ static lamp_view look_at_lamp(const igi_problem *p, int region)
         if ((int)p->scene->mesh.regions[igi_surface_triangle(surface)] != region ||
             igi_surface_is_back(surface))
             continue;
-        double x = 0;
+        double x = 0, profile = igi_observation_profile(p->scene, o, i);
+        if (!(profile > 0)) continue;
         for (int b = 0; b < p->bands; b++)
             x += (double)o->radiance[i * (size_t)p->bands + (size_t)b] / p->bands;
+        x /= profile;
         sum += x;
         squares += x * x;
         n++;

@@ -37,6 +37,7 @@ static void print_light(const igi_page *page, const igi_light *light, const doub
     bool solved = is_solved(std, all->bands);
     fprintf(f, "<tr><td class=\"l\">%s</td><td class=\"l\">", igi_light_type_name(light->type));
     if (light->region >= 0) igi_page_text(page, all->materials[light->region].region);
+    if (light->profile > 0) fprintf(f, ", cos<sup>%g</sup>", light->profile);
     fprintf(f, "</td><td class=\"l\">%s</td>", unit_of(light->type));
     for (int b = 0; b < all->bands; b++) {
         if (!light->known) fputs("<td>&ndash;</td>", f);

@@ -2,6 +2,7 @@
 #include "scene/scene_parts.h"
 
 #include "scene/light_place.h"
+#include "scene/light_profile.h"
 #include "scene/light_units.h"
 #include "scene/sun.h"
 
@@ -39,7 +40,8 @@ typedef enum light_key {
     KEY_IMAGE = 64,
     KEY_SCALE = 128, /* the value is one number */
     KEY_SKY = 256,
-    KEY_VOLUME = 512
+    KEY_VOLUME = 512,
+    KEY_COSINE = 1024 /* the profile is an exponent */
 } light_key;
 
 static const struct {
@@ -48,7 +50,7 @@ static const struct {
     const char *value; /* key of its strength */
     unsigned keys;
 } kinds[] = {
-    {"area", IGI_LIGHT_AREA, "radiance", KEY_REGION},
+    {"area", IGI_LIGHT_AREA, "radiance", KEY_REGION | KEY_COSINE},
     {"volume", IGI_LIGHT_AREA, "emission", KEY_REGION | KEY_VOLUME},
     {"point", IGI_LIGHT_POINT, "intensity", IGI_PLACE_POSITION},
     {"spot", IGI_LIGHT_SPOT, "intensity",
@@ -76,7 +78,7 @@ static igi_status check_light_keys(igi_context *ctx, const igi_json *at, size_t 
     known[count++] = kinds[kind].value;
     if (keys & KEY_REGION) known[count++] = "region";
     count += igi_light_place_keys(keys, known + count);
-    if (keys & KEY_PROFILE) known[count++] = "profile";
+    if (keys & (KEY_PROFILE | KEY_COSINE)) known[count++] = "profile";
     if (keys & KEY_IMAGE) known[count++] = "image";
     if (keys & (KEY_IMAGE | KEY_SKY)) known[count++] = "rotation_deg";
     for (size_t i = 0; keys & KEY_SKY && i < COUNT(sky_keys); i++) known[count++] = sky_keys[i];
@@ -95,6 +97,17 @@ static igi_status read_file(igi_context *ctx, const igi_json *at, const char *ke
     if (status == IGI_OK && !igi_file_exists(*file))
         return igi_json_fail(ctx, &member, "no readable file %s; correct the name", *file);
     return status;
+}
+
+static igi_status read_profile(igi_context *ctx, const igi_json *at, igi_light *light)
+{
+    igi_json member = igi_json_member(at, "profile");
+    if (!member.value) return IGI_OK;
+    IGI_TRY(igi_json_number(ctx, &member, &light->profile));
+    if (light->profile >= 0 && light->profile <= IGI_MOST_PROFILE) return IGI_OK;
+    return igi_json_fail(ctx, &member,
+                         "is %g; give the exponent n of cos^n, 0 (alike in all directions) to %d",
+                         light->profile, IGI_MOST_PROFILE);
 }
 
 static igi_status check_values(igi_context *ctx, const igi_json *at, const double *value,
@@ -172,6 +185,7 @@ static igi_status read_light(igi_context *ctx, const igi_json *at, const igi_sce
     }
     IGI_TRY(igi_light_read_place(ctx, at, keys, light));
     if (keys & KEY_PROFILE) IGI_TRY(read_file(ctx, at, "profile", &light->file));
+    if (keys & KEY_COSINE) IGI_TRY(read_profile(ctx, at, light));
     if (keys & KEY_SKY) IGI_TRY(igi_sky_read(ctx, at, &light->sky));
     if (keys & KEY_IMAGE) IGI_TRY(read_file(ctx, at, "image", &light->file));
     if (keys & (KEY_IMAGE | KEY_SKY)) {

@@ -181,8 +181,8 @@ static void sample_sharp(pixel_sets *s, int first)
         float lamp = (float)j->options->lamp_samples * hit.distance * hit.distance /
                      fmaxf(cosine * igi_triangle_area(&p->scene->mesh, hit.triangle), 1e-30f);
         d->weight = d->in.z / (lamp + sharp_density(j, d->in, d->out));
-        for (int b = 0; b < p->bands; b++)
-            s->incident[(first + m) * p->bands + b] = (float)p->lights[light].value[b];
+        igi_lighting_add_emitted(p->lighting, direction, &hit,
+                                 s->incident + (first + m) * p->bands);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "brdf/brdf.h"
 #include "scene/camera.h"
+#include "scene/light_profile.h"
 
 #define LAMP_SAMPLES 16
 #define LOBE_SAMPLES 16
@@ -121,6 +122,7 @@ static bool is_elsewhere(const lobe_place *at, size_t light, uint32_t side)
         all += seen[b];
         bright += at->lobe->specular[b] * (float)p->lights[light].value[b];
     }
+    bright *= igi_light_profile(&p->lights[light], 1);
     if (at->lobe->model == IGI_WARD) {
         lobe_reach reach = reach_of(at, light, alpha);
         if (bright * reach.most < GLANCE_SHARE * all) return true;

@@ -45,7 +45,7 @@ static double mean_irradiance(const lit *r, igi_vec point, igi_vec normal, int r
 static double brute_force(const lit *r, igi_vec point, igi_vec normal, int n)
 {
     const igi_mesh *mesh = &r->room->scene.mesh;
-    double sum = 0;
+    double sum = 0, n_of = r->room->lights[0].profile;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         if (mesh->regions[t] != 1) continue;
         igi_vec light_normal = igi_triangle_normal(mesh, t);
@@ -58,7 +58,8 @@ static double brute_force(const lit *r, igi_vec point, igi_vec normal, int n)
                 double d2 = (double)igi_dot(d, d);
                 double a = (double)igi_dot(d, normal), b = -(double)igi_dot(d, light_normal);
                 if (a <= 0 || b <= 0 || igi_occluded(r->tracer, point, p)) continue;
-                sum += a * b / (d2 * d2) * area;
+                double share = pow(b / sqrt(d2), n_of), mean = .5 * (n_of + 2);
+                sum += a * b / (d2 * d2) * area * mean * share;
             }
     }
     return sum;
@@ -188,6 +189,82 @@ static void facing_samples(void)
         CHECK(squares < 4 * sum * sum);
         put_out(&l);
     }
+}
+
+static const double exponents[] = {0.5, 2, 8, 40};
+
+/* A disc of mean radiance 1 above the point: L = (n + 2)/2 cos^n, and on the axis both cosines are one,
+ * E = 2 pi integral of L cos sin = pi (1 - cos^(n + 2) of its edge). */
+static void profile_of_a_disc(void)
+{
+    enum { SIDES = 48 };
+    static const float heights[] = {0.05f, 0.4f, 1, 5};
+    for (int k = 0; k < 16; k++) {
+        room *r = room_new(1);
+        (void)room_region(r, "matter", 0);
+        uint32_t lamp = room_lamp(r, "lamp", 1);
+        double n = r->lights[0].profile = exponents[k % 4];
+        float h = heights[k / 4], step = 2 * IGI_PIF / SIDES;
+        float out = sqrtf(step / sinf(step)); /* as large as the disc of radius 1 */
+        for (int i = 0; i < SIDES; i++) {
+            float a = step * (float)i, b = a + step;
+            room_triangle(r, lamp, igi_v(0, 0, h), igi_v(out * cosf(b), out * sinf(b), h),
+                          igi_v(out * cosf(a), out * sinf(a), h), NULL);
+        }
+        lit l = light_up(r);
+        double edge = (double)h / hypot(1, (double)h), truth = IGI_PI * (1 - pow(edge, n + 2));
+        CHECK_NEAR(irradiance(&l, igi_v(0, 0, 0), up, 4, 1) / truth, 1, 1e-3);
+        put_out(&l);
+    }
+}
+
+/* Of the square and of the bulb, from far, near and beside, with a shadow too; samples of all kinds
+ * say the same. */
+static void profile_of_lamps(void)
+{
+    enum { SAMPLES = 1 << 12, SET = 4096 };
+    static igi_light_sample set[SET];
+    static const igi_vec points[] = {{.3f, .2f, 0}, {-.2f, .4f, .8f}, {1.5f, -2, -3}};
+    for (int k = 0; k < 24; k++) {
+        room *r = k < 12 ? square_room() : bulb_room();
+        r->lights[0].profile = exponents[k % 4];
+        lit l = light_up(r);
+        igi_vec point = points[k / 4 % 3], normal = igi_normalize(igi_v(.5f, -.1f, 1));
+        double truth = brute_force(&l, point, normal, k < 12 ? 200 : 16), toward = 0, facing = 0;
+        CHECK_NEAR(irradiance(&l, point, normal, 4, 7), truth, 1e-3 * truth + 1e-7);
+        for (int i = 0; i < SAMPLES; i++) {
+            igi_light_sample s;
+            float u = (float)fmod(.5 + i * .7548776662466927, 1);
+            float v = (float)fmod(.5 + i * .5698402909980532, 1);
+            if (igi_light_sample_toward(l.lighting, 0, point, u, v, &s))
+                toward += (double)(s.weight * fmaxf(0.0f, igi_dot(s.direction, normal)));
+            (void)igi_light_sample_facing(l.lighting, 0, point, normal, u, v, &s);
+            facing += (double)(s.weight * fmaxf(0.0f, igi_dot(s.direction, normal)));
+            igi_hit hit = igi_trace(l.tracer, point, s.direction);
+            float met[1] = {0}, last = 0;
+            if (!(s.weight > 0) || hit.triangle == IGI_NO_HIT || hit.back) continue;
+            igi_lighting_add_emitted(l.lighting, s.direction, &hit, met);
+            igi_vec front = igi_triangle_normal(&r->scene.mesh, hit.triangle);
+            last = powf(-igi_dot(front, s.direction), (float)exponents[k % 4]);
+            CHECK_NEAR((double)met[0], .5 * (exponents[k % 4] + 2) * (double)last, 1e-4);
+        }
+        size_t count = igi_light_sample_set(l.lighting, 0, point, SET, (float[2]){.5f, .5f}, set);
+        double all = 0;
+        for (size_t i = 0; i < count; i++)
+            all += (double)(set[i].weight * fmaxf(0.0f, igi_dot(set[i].direction, normal)));
+        CHECK_NEAR(toward / SAMPLES, truth, .03 * truth + 1e-6);
+        CHECK_NEAR(facing / SAMPLES, truth, .03 * truth + 1e-6);
+        CHECK_NEAR(all, truth, .03 * truth + 1e-6);
+        put_out(&l);
+    }
+    room *shadowed = square_room();
+    shadowed->lights[0].profile = 4;
+    room_quad(shadowed, 0, igi_v(.1f, -.3f, .4f), igi_v(.5f, .2f, 0), igi_v(-.1f, .5f, .1f));
+    lit l = light_up(shadowed);
+    igi_vec point = {.3f, 0, 0};
+    double truth = brute_force(&l, point, up, 400);
+    CHECK_NEAR(mean_irradiance(&l, point, up, 16, 10000) / truth, 1, 5e-3);
+    put_out(&l);
 }
 
 static void small_lights(void)
@@ -524,6 +601,7 @@ static void refusals(void)
 }
 
 TEST_MAIN({"square", square}, {"bulb", bulb}, {"shadow", shadow}, {"samples", samples},
-          {"facing samples", facing_samples}, {"small lights", small_lights}, {"line", line},
+          {"facing samples", facing_samples}, {"profile of a disc", profile_of_a_disc},
+          {"profile of lamps", profile_of_lamps}, {"small lights", small_lights}, {"line", line},
           {"ambient", ambient}, {"environment", environment}, {"sky by the sun", sky_by_the_sun},
           {"goniometric", goniometric}, {"eulumdat", eulumdat}, {"refusals", refusals})

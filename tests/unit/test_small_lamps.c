@@ -12,7 +12,7 @@ enum { PIXELS = 64, POINTS = 4096, NEAR = 7, VIEWS = 3 };
 
 /* A closed box of 3 m with a lamp of the given side below its ceiling, and before the first camera,
  * if wanted, a thread that runs across the lamp. */
-static room *make_room(float side, bool thread)
+static room *make_room(float side, bool thread, double profile)
 {
     static const igi_vec eyes[VIEWS] = {{.5f, .7f, .4f}, {2.4f, .6f, .9f}, {1.9f, 2.3f, .3f}};
     static igi_frame frames[VIEWS];
@@ -21,6 +21,7 @@ static room *make_room(float side, bool thread)
     const uint32_t walls[6] = {wall, wall, wall, wall, wall, wall};
     room_box(r, walls, 3);
     r->lights[0].known = false;
+    r->lights[0].profile = profile;
     float low = 1.4f - side / 2;
     room_quad(r, lamp, igi_v(low, low, 2.95f), igi_v(0, side, 0), igi_v(side, 0, 0));
     if (thread) room_quad(r, wall, igi_v(1.3f, 1.39f, 2.9f), igi_v(.3f, 0, 0), igi_v(0, .02f, 0));
@@ -31,11 +32,13 @@ static room *make_room(float side, bool thread)
     return r;
 }
 
-/* The lamp shines; what is around it grows brighter from side to side. */
-static float radiance(const room *r, const igi_hit *hit)
+/* The lamp shines, down; what is around it grows brighter from side to side. */
+static float radiance(const room *r, igi_vec direction, const igi_hit *hit)
 {
     if (hit->triangle == IGI_NO_HIT) return 0;
-    if (r->regions_of[hit->triangle] == 1) return (float)RADIANCE;
+    float n = (float)r->lights[0].profile;
+    if (r->regions_of[hit->triangle] == 1)
+        return (float)RADIANCE * (n + 2) / 2 * powf(direction.z, n);
     return .4f + .1f * igi_triangle_point(&r->scene.mesh, hit->triangle, hit->u, hit->v).x;
 }
 
@@ -52,9 +55,9 @@ static igi_image *photograph(room *r, const igi_tracer *tracer, const igi_camera
         double sum = 0;
         for (int k = 0; k < rays; k++) { /* points of the plastic number's recurrence */
             double u = fmod(.5 + k * .7548776662466927, 1), v = fmod(.5 + k * .5698402909980532, 1);
-            igi_hit hit = igi_trace(tracer, igi_camera_centre(camera),
-                                    igi_camera_direction(camera, x + u, y + v));
-            sum += (double)radiance(r, &hit);
+            igi_vec direction = igi_camera_direction(camera, x + u, y + v);
+            igi_hit hit = igi_trace(tracer, igi_camera_centre(camera), direction);
+            sum += (double)radiance(r, direction, &hit);
         }
         image->samples[i] = (float)(sum / rays);
     }
@@ -73,9 +76,10 @@ static void blur(igi_image *image)
     }
 }
 
-static igi_lamp_value read_lamp(float side, bool thread, bool blurred, double *area_px)
+static igi_lamp_value read_lamp(float side, bool thread, bool blurred, double profile,
+                                double *area_px)
 {
-    room *r = make_room(side, thread);
+    room *r = make_room(side, thread, profile);
     igi_tracer *tracer = NULL;
     igi_lamp_reading *readings = NULL;
     size_t count = 0;
@@ -106,7 +110,7 @@ static void few_pixels(void)
     static const double areas[] = {10, 4};
     for (int k = 0; k < 2; k++) {
         double area;
-        igi_lamp_value lamp = read_lamp(sides[k], false, false, &area);
+        igi_lamp_value lamp = read_lamp(sides[k], false, false, 0, &area);
         CHECK(lamp.photographs == VIEWS);
         CHECK_NEAR(area, areas[k], .15 * areas[k]);
         CHECK_NEAR(lamp.radiance[0], RADIANCE, .001 * RADIANCE);
@@ -118,16 +122,26 @@ static void few_pixels(void)
 static void blurred_lamp(void)
 {
     double area;
-    igi_lamp_value lamp = read_lamp(.2f, false, true, &area);
+    igi_lamp_value lamp = read_lamp(.2f, false, true, 0, &area);
     CHECK_NEAR(lamp.radiance[0], RADIANCE, .02 * RADIANCE);
     CHECK_NEAR(lamp.radiance[0], RADIANCE, 3 * lamp.error[0]);
+}
+
+/* Each photograph has it at another angle, and all tell one value. */
+static void with_a_profile(void)
+{
+    double area;
+    igi_lamp_value lamp = read_lamp(.2f, false, false, 3, &area);
+    CHECK(lamp.photographs == VIEWS);
+    CHECK_NEAR(lamp.radiance[0], RADIANCE, 3 * lamp.error[0]);
+    CHECK(lamp.error[0] < .005 * RADIANCE);
 }
 
 static void hidden_in_part(void)
 {
     double area;
-    CHECK(read_lamp(.2f, true, false, &area).photographs == 0);
+    CHECK(read_lamp(.2f, true, false, 0, &area).photographs == 0);
 }
 
 TEST_MAIN({"few_pixels", few_pixels}, {"blurred_lamp", blurred_lamp},
-          {"hidden_in_part", hidden_in_part})
+          {"with_a_profile", with_a_profile}, {"hidden_in_part", hidden_in_part})
