@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""igi's path tracer beside Mitsuba 3's, in one run: CPU seconds to the same error.
+"""igi's path tracer beside Mitsuba 3's, in one run: paths a second, and CPU seconds to the same error.
 
     python3 scripts/peers/render_speed.py SCENE [--samples N] [--igi build/release/igi]
 
@@ -8,7 +8,8 @@ SCENE is one that z_test.py takes. Each side renders its first frame on one thre
 with other seeds; its error is the mean over pixels of the variance between these pictures over the
 squared pixel (with 1 % of the mean pixel's square, as relative errors are told in the field), the
 same for both sides whatever their samplers do. Variance times CPU seconds does not depend on the
-number of paths, so its ratio says how much longer one needs than the other. Loading and compiling
+number of paths, so its ratio says how much longer one needs than the other. A path is one from the
+camera to its end, whatever rays it takes (Mitsuba does not count rays). Loading and compiling
 are left out: the smallest picture is taken and subtracted; what igi prepares before a larger picture
 counts. Mitsuba has its best sampler here (multijitter; of `independent` it needs more). Needs
 mitsuba, numpy and OpenEXR from PyPI; the llvm variant needs LLVM 17 or newer (Debian: libllvm19).
@@ -48,7 +49,7 @@ def measure_igi(options):
     load = min(take(1, 1)[1] for _ in range(3))
     taken = [take(options.samples, seed) for seed in range(1, REPEATS + 1)]
     seconds = sum(t for _, t in taken) / REPEATS - load
-    return seconds, relative_variance([p for p, _ in taken])
+    return seconds, relative_variance([p for p, _ in taken]), taken[0][0].shape[0] * taken[0][0].shape[1]
 
 
 def measure_mitsuba(variant, options):
@@ -63,7 +64,7 @@ def measure_mitsuba(variant, options):
     begun = cpu_seconds(resource.RUSAGE_SELF)
     pictures = [np.array(mi.render(scene, spp=options.samples, seed=n)) for n in range(REPEATS)]
     seconds = (cpu_seconds(resource.RUSAGE_SELF) - begun) / REPEATS
-    return seconds, relative_variance(pictures)
+    return seconds, relative_variance(pictures), pictures[0].shape[0] * pictures[0].shape[1]
 
 
 def main():
@@ -94,11 +95,13 @@ def main():
         else:
             rows.append((f"mitsuba {mi.__version__} {variant}", *json.loads(done.stdout.splitlines()[-1])))
     ours = rows[0][1] * rows[0][2]
-    print(f"| renderer | CPU s at {options.samples} paths a pixel | relative variance | time to equal error |")
-    print("| --- | ---: | ---: | ---: |")
-    for name, seconds, variance in rows:
-        print(f"| {name} | {seconds:.2f} | {variance:.5f} | {seconds * variance / ours:.2f} |")
-    return 0 if all(s * v >= ours for _, s, v in rows) else 1
+    print(f"| renderer | CPU s at {options.samples} paths a pixel | million paths a CPU s | relative variance | "
+          "time to equal error |")
+    print("| --- | ---: | ---: | ---: | ---: |")
+    for name, seconds, variance, pixels in rows:
+        print(f"| {name} | {seconds:.2f} | {pixels * options.samples / seconds / 1e6:.2f} | {variance:.5f} | "
+              f"{seconds * variance / ours:.2f} |")
+    return 0 if all(row[1] * row[2] >= ours for row in rows) else 1
 
 
 if __name__ == "__main__":

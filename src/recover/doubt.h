@@ -30,6 +30,9 @@ double igi_doubt_area(const igi_mesh *mesh, size_t region);
  * errors of their values, the mean over the lamps' light. */
 IGI_MUST_USE igi_status igi_doubt_lamps(igi_context *ctx, const igi_problem *p, igi_materials *m,
                                         double *off);
+/* Lamps that shine into other directions than their profile says. */
+IGI_MUST_USE igi_status igi_doubt_profiles(igi_context *ctx, const igi_problem *p,
+                                           igi_materials *m);
 /* Lamps whose outline in the photographs is another than the mesh's. *off: of the lamps' light
  * together. */
 IGI_MUST_USE igi_status igi_doubt_outlines(igi_context *ctx, const igi_problem *p, igi_materials *m,

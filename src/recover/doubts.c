@@ -158,6 +158,7 @@ igi_status igi_doubts_add(igi_context *ctx, const igi_problem *p, const igi_fiel
     IGI_TRY_GOTO(igi_residuals_create(ctx, p, field, m, diffuse, &r));
     IGI_TRY_GOTO(igi_doubt_method(ctx, p, m));
     IGI_TRY_GOTO(igi_doubt_lamps(ctx, p, m, &lamps_off));
+    IGI_TRY_GOTO(igi_doubt_profiles(ctx, p, m));
     for (size_t i = 0; i < m->count; i++) diffuse[i] = r->regions[i].calm; /* no lobe was missed */
     if (!(p->options->target_error > 0))
         IGI_TRY_GOTO(igi_light_shares_create(ctx, p, field, m, diffuse, &survey));

@@ -91,7 +91,7 @@ static void room_from_outside(void)
     bool *cut = NULL;
     igi_view view;
     open_room();
-    CHECK_NEAR(igi_survey_up(&survey).z, 1, 0);
+    CHECK_NEAR((double)igi_survey_up(&survey).z, 1, 0);
     CHECK_OK(ctx, igi_survey_outside(ctx, &survey, &cut));
     if (!cut) abort();
     for (size_t side = 0; side < 2 * survey.patches->count; side++)
