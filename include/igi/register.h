@@ -52,6 +52,9 @@ typedef struct igi_registered_frame {
     double sigma_px;         /* of the image's place, one standard deviation, from the residuals */
     double gain, gain_sigma; /* brightness against the other photographs' */
     bool moved; /* false: too few edges, or not clearly better; it stays where it was */
+    bool
+        unsettled; /* it may be off still: its edges are few or lie farther off than the others' where
+                       most cameras were moved, or it still moved in the last round */
 } igi_registered_frame;
 
 typedef struct igi_registered {

@@ -41,7 +41,8 @@ static void print_json(const cli_session *s, const igi_scene *scene, const igi_r
                        {"gain", f->gain},           {"gain_sigma", f->gain_sigma}};
         printf("%s\n  {\"image\": ", i ? "," : "");
         cli_print_json_string(scene->frames[i].name);
-        printf(", \"edges\": %zu, \"moved\": %s", f->edges, f->moved ? "true" : "false");
+        printf(", \"edges\": %zu, \"moved\": %s, \"unsettled\": %s", f->edges,
+               f->moved ? "true" : "false", f->unsettled ? "true" : "false");
         for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
             printf(", \"%s\": ", numbers[k].name);
             cli_print_json_number(numbers[k].value);
@@ -49,6 +50,15 @@ static void print_json(const cli_session *s, const igi_scene *scene, const igi_r
         printf("}");
     }
     puts("]}");
+}
+
+static void print_unsettled(const igi_scene *scene, const igi_registered *r)
+{
+    for (size_t i = 0; i < r->frame_count; i++)
+        if (r->frames[i].unsettled)
+            printf("image %s: its camera may be off still: it did not settle by its %zu edges; "
+                   "leave it out, or give its camera a better start\n",
+                   scene->frames[i].name, r->frames[i].edges);
 }
 
 static void print_table(const cli_session *s, const igi_scene *scene, const igi_registered *r)
@@ -71,6 +81,7 @@ static void print_table(const cli_session *s, const igi_scene *scene, const igi_
             printf("  %5zu  %14.3f  no better place found    %6.4f\n", f->edges, f->before_px,
                    f->gain);
     }
+    print_unsettled(scene, r);
     if (r->mesh_is_off)
         puts("edges of different things ask for different cameras: the mesh is off; mend it");
     if (r->world)
@@ -126,6 +137,7 @@ const cli_command cli_register = {
         "outlines) lie on those of the mesh. CAMERAS.json is for scene.json's \"cameras\". "
         "Cameras\n"
         "of another frame of reference, as structure from motion gives them, are brought to the\n"
-        "mesh's by three or more --points first. Photographs with too few edges stay.",
+        "mesh's by three or more --points first. Photographs with too few edges stay. Those whose\n"
+        "cameras did not settle are named.",
     .run = run,
 };

@@ -29,6 +29,8 @@ IGI_MUST_USE igi_status igi_faults_find(igi_context *ctx, const igi_observations
                                         const igi_agreement *agreement, igi_faults **faults);
 void igi_faults_destroy(igi_faults *faults);
 
+/* What the photograph shows has no say any more. */
+void igi_observations_leave_out(igi_observations *observations, size_t frame);
 /* Leaves out photographs, scales them and takes veils off as the faults ask for, with a warning for each. Lamps mirrored in surfaces look like faults of
  * photographs: where lobes are to be looked for, what they may account for waits, and *waits says so. */
 IGI_MUST_USE igi_status igi_observations_reconcile(igi_context *ctx, const igi_scene *scene,

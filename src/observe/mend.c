@@ -23,7 +23,7 @@ static void scale_frame(igi_observations *o, size_t frame, float factor)
         }
 }
 
-static void leave_out(igi_observations *o, size_t frame)
+void igi_observations_leave_out(igi_observations *o, size_t frame)
 {
     size_t first = o->frame_begin[frame], next = o->frame_begin[frame + 1], n = next - first;
     size_t rest = o->count - next, bands = (size_t)o->bands;
@@ -105,7 +105,7 @@ static igi_status mend(igi_context *ctx, const igi_scene *scene, const igi_agree
         igi_frame_fault f = faults->frames[i];
         if (faults->divided) f.contradicts = false;
         if (f.scale != 1) scale_frame(observations, i, (float)f.scale);
-        if (f.contradicts) leave_out(observations, i);
+        if (f.contradicts) igi_observations_leave_out(observations, i);
         if (f.contradicts || (f.scale != 1 && !faults->drifts))
             IGI_TRY(warn_of_frame(ctx, scene, &agreement->frames[i], &f, i, observations));
         if (f.off && !faults->all_off) IGI_TRY(warn_of_offset(ctx, scene, i, observations));

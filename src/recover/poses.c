@@ -2,6 +2,7 @@
 #include "recover/poses.h"
 
 #include "observe/alignment.h"
+#include "observe/faults.h"
 #include "register/register.h"
 
 #include <math.h>
@@ -17,6 +18,9 @@
 #define WORTH_A_WORD_PX .3
 /* As scales are found where the mesh is exact. */
 #define WORTH_A_SCALE .002
+
+/* Of all photographs. */
+#define MOST_LEFT_OUT .34
 
 typedef enum need { NOBODY, SOME, ALL } need;
 
@@ -43,6 +47,7 @@ static void keep(const igi_scene *given, igi_poses *p, size_t frame)
     f->moved = false;
     f->after_px = f->before_px;
     f->moved_px = 0;
+    f->unsettled = false;
 }
 
 void igi_poses_keep_unconvincing(const igi_scene *given, bool all, igi_poses *p)
@@ -62,6 +67,28 @@ static void clear_refuted(const igi_registered *r, const bool *which, igi_observ
     for (size_t i = 0; i < r->frame_count; i++)
         if (!r->frames[i].moved && (!which || which[i]))
             o->registrations[i] = (igi_registration){.residual = o->registrations[i].residual};
+}
+
+/* They stay in where so many do that the others are no measure. */
+static igi_status leave_unsettled_out(igi_context *ctx, const igi_registered *r,
+                                      igi_observations *o)
+{
+    char *sentence;
+    size_t count = 0;
+    for (size_t i = 0; i < r->frame_count; i++) count += r->frames[i].unsettled;
+    bool out = (double)count <= MOST_LEFT_OUT * (double)r->frame_count;
+    for (size_t i = 0; i < r->frame_count; i++) {
+        const igi_registered_frame *f = &r->frames[i];
+        if (!f->unsettled) continue;
+        if (out) igi_observations_leave_out(o, i);
+        IGI_TRY(igi_strprintf(
+            ctx, &sentence,
+            "image %s: its camera was off, and did not settle by its %zu edges; it "
+            "was %s give its camera a better start",
+            f->image, f->edges, out ? "left out;" : "used, as many others; leave it out, or"));
+        IGI_TRY(igi_add_sentence(ctx, &o->warnings, &o->warning_count, sentence));
+    }
+    return IGI_OK;
 }
 
 static size_t count_moved(const igi_registered *r)
@@ -191,6 +218,7 @@ igi_status igi_poses_mend(igi_context *ctx, const igi_scene *scene, const igi_tr
         igi_stage_begin(ctx, "observe");
         IGI_TRY_GOTO(igi_observe(ctx, &p->scene, tracer, 0, &again));
         IGI_TRY_GOTO(say(ctx, p->registered, &p->scene, again));
+        IGI_TRY_GOTO(leave_unsettled_out(ctx, p->registered, again));
         igi_observations_destroy(*observations);
         *observations = again;
         again = NULL;

@@ -28,6 +28,8 @@
 #define PART_OF_SHIFT .45
 #define LEAST_PX .1
 #define UNKNOWN_PX 2.0
+/* In its last round a camera that settles moves by less, pixels. */
+#define SETTLED_PX .08
 
 /* Root mean square, over the sites, of the shift of their places between two cameras. */
 static double shift_between(const igi_edge_sites *sites, const igi_camera *a, const igi_camera *b)
@@ -93,6 +95,7 @@ static igi_status refine_from(igi_context *ctx, frame_job *f, double reach, doub
         if (round == 0) IGI_TRY(keep_sites(ctx, f));
         IGI_TRY(pose_refine(ctx, &f->sites, expected, &a->camera, &a->out.sigma_px));
         double moved = shift_between(&f->sites, &before, &a->camera);
+        a->out.unsettled = moved > SETTLED_PX;
         if (reach <= NEAREST && moved < .01) break;
         reach = fmax(NEAREST, fmin(reach / 2, 3 * moved));
     }
@@ -170,6 +173,7 @@ igi_status register_frame(igi_context *ctx, void *user, size_t frame, int worker
     *out = a.out;
     if (a.better) *camera = a.camera;
     else out->after_px = out->before_px;
+    out->unsettled = a.better && out->unsettled;
     out->moved = a.better || j->out->lens || j->out->world;
     if (!out->moved || isnan(out->before_px)) goto cleanup;
     IGI_TRY_GOTO(register_find_sites(ctx, j, camera, photo, NEAREST, &f.sites));

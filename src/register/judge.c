@@ -97,6 +97,7 @@ static void put_back(register_job *j)
         f->moved = j->out->lens || j->out->world;
         f->after_px = f->before_px;
         if (!f->moved) f->moved_px = 0;
+        f->unsettled = false;
     }
 }
 

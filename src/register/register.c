@@ -5,6 +5,7 @@
 #include "register/register.h"
 
 #include "base/context.h"
+#include "base/order.h"
 #include "base/parallel.h"
 #include "observe/agreement.h"
 #include "register/register_private.h"
@@ -16,6 +17,36 @@ void igi_register_options_init(igi_register_options *options)
 {
     *options = (igi_register_options){
         .struct_size = sizeof *options, .search_px = 4, .compare = true};
+}
+
+/* Where the typical camera moved by so much, all were off; one whose edges then lie so many times as far
+ * off as the typical photograph's, and so far, pixels, is off still. In rooms where none was off, one
+ * photograph of ten has such edges. */
+#define WERE_OFF_PX .5
+#define FARTHER 2.0
+#define FAR_PX .15
+
+static igi_status find_unsettled(igi_context *ctx, const register_job *j)
+{
+    igi_registered *r = j->out;
+    bool moved_alike = r->world || r->lens || j->options->together; /* those of few edges, too */
+    size_t known = 0;
+    double *moved, *after;
+    IGI_TRY(IGI_ALLOC(ctx, 2 * r->frame_count, &moved));
+    after = moved + r->frame_count;
+    for (size_t i = 0; i < r->frame_count; i++) {
+        if (isnan(r->frames[i].after_px)) continue;
+        moved[known] = r->frames[i].moved_px;
+        after[known++] = r->frames[i].after_px;
+    }
+    if (known > 0 && igi_median(moved, known) > WERE_OFF_PX) {
+        double far = fmax(FAR_PX, FARTHER * igi_median(after, known));
+        for (size_t i = 0; i < r->frame_count; i++)
+            if (r->frames[i].after_px > far || (isnan(r->frames[i].after_px) && !moved_alike))
+                r->frames[i].unsettled = true;
+    }
+    igi_free(moved);
+    return IGI_OK;
 }
 
 static igi_status sum_up(igi_context *ctx, igi_registered *r)
@@ -107,6 +138,7 @@ static igi_status run(igi_context *ctx, const igi_register_start *start, registe
     IGI_TRY(igi_parallel_for(ctx, j->scene->frame_count, register_frame, j));
     IGI_TRY(register_judge(ctx, j));
     IGI_TRY(sum_up(ctx, j->out));
+    if (!j->which && !j->out->mesh_is_off) IGI_TRY(find_unsettled(ctx, j));
     return j->options->compare ? compare_photographs(ctx, j->scene, j->tracer, j->out) : IGI_OK;
 }
 

@@ -78,6 +78,7 @@ static json_t *registered_json(const igi_registered *r)
         bad |= json_object_set_new(image, "moved_px", number(f->moved_px));
         bad |= json_object_set_new(image, "sigma_px", number(f->sigma_px));
         bad |= json_object_set_new(image, "moved", json_boolean(f->moved));
+        bad |= json_object_set_new(image, "unsettled", json_boolean(f->unsettled));
         bad |= json_object_set_new(images, f->image, image);
     }
     bad |= json_object_set_new(o, "images", images);
