@@ -285,7 +285,7 @@ static void put_key(FILE *script, const peer_curves *peers)
     }
     if (peers->count > 0)
         fprintf(script,
-                "set label 'black: the peer; from there on its error stays below the line' "
+                "set label 'black: the peer, whose error stays below' "
                 "at graph 0,%.2f textcolor lt 8\n",
                 y);
     if (peers->count > 0) y -= .1;
